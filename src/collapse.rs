@@ -40,6 +40,7 @@ use crate::mortar::{BrokenMortar, MortarBroke};
 use crate::plugin::init;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, StepMessages};
 use crate::settings::{Gravity, SleepSettings, StepTime};
+use crate::solver::sort;
 use bevy_app::{App, Plugin};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::message::{Message, MessageWriter};
@@ -423,7 +424,7 @@ pub(crate) fn collapses(
     structures.pulled.retain(|_, pulled| pulled.when > since);
     structures.broken.retain(|&(when, _)| when > since);
     let mut told: Vec<_> = gone.into_iter().collect();
-    told.sort_unstable_by_key(|(structure, _)| *structure);
+    sort::by_key(&mut told, |(structure, _)| *structure);
     let fallen: HashSet<u64> = told.iter().map(|(structure, _)| *structure).collect();
     if !told.is_empty() {
         let mut rest: HashMap<u64, Vec<(Entity, Pose)>> = HashMap::default();
@@ -478,7 +479,7 @@ pub(crate) fn collapses(
             });
         }
     }
-    settled.sort_unstable_by_key(|(island, ..)| *island);
+    sort::by_key(&mut settled, |(island, ..)| *island);
     for (island, entity, slot, pose) in settled {
         let structure = known.get(&island).copied().unwrap_or_else(|| {
             let others = islands.structure(slot).iter();
@@ -540,7 +541,7 @@ impl Structures {
                 has_left(place, *pose, body.radius, settings).then_some((body.spawn_order, entity))
             });
             let mut moved: Vec<_> = moved.collect();
-            moved.sort_unstable();
+            sort::by_key(&mut moved, |&(order, body)| (order, body.to_bits()));
             let moved: Vec<Entity> = moved.into_iter().map(|(_, body)| body).collect();
             ended.write(CollapseEnded {
                 first: falling.first,

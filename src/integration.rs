@@ -19,6 +19,7 @@ use crate::body::{
 use crate::children::ImplicitBody;
 use crate::components::any;
 use crate::settings::StepTime;
+use crate::solver::sort;
 use bevy_ecs::archetype::Archetypes;
 use bevy_ecs::component::Components;
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
@@ -128,7 +129,7 @@ pub fn child_transforms(
     for (child, ..) in &bodies {
         children.push((parents.iter_ancestors(child).count(), child));
     }
-    children.sort_by_key(|&(depth, _)| depth);
+    sort::by_key(&mut children, |&(depth, _)| depth);
     for (_, child) in children {
         let Ok((_, index, mut pose, parent, is_implicit)) = bodies.get_mut(child) else {
             continue;

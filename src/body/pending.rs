@@ -12,6 +12,7 @@ use super::placement::{Placed, user_pose};
 use super::{
     BodyState, BodyTable, PlacedActive, PlacedBodies, Pose, SpawnOrder, WrittenTransforms, limits,
 };
+use crate::solver::sort;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_math::ops;
@@ -177,7 +178,7 @@ pub fn refresh(
     let resting: EntityHashSet = resting.chain(find_carried(children, placed)).collect();
     found.extend(resting.into_iter().map(|body| (SpawnOrder::NONE, body)));
     // The order in which *prepare* visits them.
-    found.sort_unstable_by_key(|(spawn_order, entity)| {
+    sort::by_key(&mut found, |(spawn_order, entity)| {
         (
             *spawn_order,
             entity.index_u32(),

@@ -13,6 +13,7 @@ use crate::components::{holders, remove_later};
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{ActiveSettings, SpeedLimits, StepTime};
+use crate::solver::sort;
 use bevy_ecs::archetype::Archetypes;
 use bevy_ecs::component::Components;
 use bevy_ecs::query::QueryData;
@@ -94,7 +95,7 @@ pub fn prepare(
     dirty.extend(holders(components, archetypes, &teleported));
     let resting = bodies.p1();
     dirty.extend(reduced.into_iter().filter(|body| resting.contains(*body)));
-    dirty.sort_unstable();
+    sort::by_key(&mut dirty, |body| body.to_bits());
     dirty.dedup();
     let known = joining.len();
     for entity in dirty {
@@ -112,7 +113,7 @@ pub fn prepare(
     );
     // Bodies without a spawn order were spawned before the plugins were added. They are sorted by index, because `Entity`'s own order is the
     // reverse of the order of spawning.
-    joining.sort_unstable_by_key(|(spawn_order, entity)| {
+    sort::by_key(&mut joining, |(spawn_order, entity)| {
         (
             *spawn_order,
             entity.index_u32(),

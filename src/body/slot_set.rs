@@ -50,25 +50,53 @@ impl SlotSet {
     }
 
     /// The members in order.
-    pub fn iter(&self) -> impl Iterator<Item = usize> {
-        let words = ones(&self.above);
-        words.flat_map(|word| bits(self.words[word]).map(move |bit| 64 * word + bit))
+    pub fn iter(&self) -> Slots<'_> {
+        Slots {
+            set: self,
+            uppers: 0,
+            upper_bits: 0,
+            word: 0,
+            bits: 0,
+        }
     }
 }
 
-/// The numbers of all bits that are set.
-fn ones(words: &[u64]) -> impl Iterator<Item = usize> {
-    let words = words.iter().enumerate();
-    words.flat_map(|(i, &word)| bits(word).map(move |bit| 64 * i + bit))
+/// The members of a set in order.
+#[derive(Clone, Debug)]
+pub(super) struct Slots<'a> {
+    set: &'a SlotSet,
+    /// Number of upper words that were begun.
+    uppers: usize,
+    /// The bits of the last of these that remain.
+    upper_bits: u64,
+    /// The word that is being read.
+    word: usize,
+    /// Its bits that remain.
+    bits: u64,
 }
 
-/// The bits of a word that are set.
-fn bits(mut word: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = (word != 0).then(|| word.trailing_zeros() as usize);
-        word &= word.wrapping_sub(1);
-        bit
-    })
+impl Iterator for Slots<'_> {
+    type Item = usize;
+
+    #[inline]
+    fn next(&mut self) -> Option<usize> {
+        while self.bits == 0 {
+            while self.upper_bits == 0 {
+                self.upper_bits = *self.set.above.get(self.uppers)?;
+                self.uppers += 1;
+            }
+            self.word = 64 * (self.uppers - 1) + take_bit(&mut self.upper_bits);
+            self.bits = self.set.words[self.word];
+        }
+        Some(64 * self.word + take_bit(&mut self.bits))
+    }
+}
+
+/// Takes the lowest bit of a word that is not zero, and returns its number.
+fn take_bit(word: &mut u64) -> usize {
+    let bit = word.trailing_zeros() as usize;
+    *word &= *word - 1;
+    bit
 }
 
 #[cfg(test)]

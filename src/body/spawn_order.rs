@@ -1,6 +1,7 @@
 //! The order in which bodies were spawned.
 
 use super::BodyTable;
+use crate::solver::sort::Word;
 use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
@@ -23,6 +24,12 @@ pub struct SpawnOrder(pub u64);
 impl SpawnOrder {
     /// The default: no number yet.
     pub(crate) const NONE: Self = Self(u64::MAX);
+}
+
+impl Word for SpawnOrder {
+    fn word(self) -> u64 {
+        self.0
+    }
 }
 
 impl Default for SpawnOrder {

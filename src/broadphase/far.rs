@@ -5,6 +5,7 @@
 use super::{Broadphase, FAT};
 use crate::body::{BodyState, BodyTable};
 use crate::narrowphase::Reach;
+use crate::solver::Both;
 use glam::Vec3;
 
 impl Broadphase {
@@ -21,7 +22,7 @@ impl Broadphase {
         if a.spheres_are_apart(b, search) {
             return true;
         }
-        let [Some(one), Some(two)] = [a, b].map(|body| {
+        let [Some(one), Some(two)] = [a, b].both(|body| {
             let shape = body.shape();
             shape.map(|shape| shape.compute_aabb(&body.pose.to_parry()))
         }) else {

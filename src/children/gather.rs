@@ -4,6 +4,7 @@ use super::implicit::ImplicitBody;
 use crate::body::{Density, Mass, RigidBody, SpawnOrder};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::sensor::Sensor;
+use crate::solver::sort;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::{ChildOf, Children};
 use bevy_ecs::lifecycle::HookContext;
@@ -136,7 +137,7 @@ pub(super) fn gather(world: &World, body: Entity) -> Option<Vec<Part>> {
     if (is_simple || own == 0) && parts.len() == own {
         return None;
     }
-    parts[own..].sort_by_key(|part| part.spawn_order);
+    sort::by_key(&mut parts[own..], |part| part.spawn_order);
     Some(parts)
 }
 

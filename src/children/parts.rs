@@ -3,6 +3,7 @@
 use crate::body::{BodyState, BodyTable};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, ManifoldPatch};
+use crate::solver::Both;
 use bevy_ecs::entity::{Entity, EntityMapper};
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -230,7 +231,7 @@ impl PatchParts {
 impl ContactPair {
     /// The colliders of A and B with these numbers: on child entities, or the bodies themselves.
     pub(crate) fn colliders(&self, parts: PatchParts, table: &BodyTable) -> [Entity; 2] {
-        [0, 1].map(|i| {
+        [0, 1].both(|i| {
             let body = table.get(self.slots[i]).filter(|body| self.is_of(i, body));
             let collider = body.map(|body| body.collider_entity(parts.get(i)));
             collider.unwrap_or(self.bodies[i])

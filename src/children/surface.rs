@@ -3,6 +3,7 @@
 use crate::body::{BodyState, BodyTable};
 use crate::collider::{Friction, Restitution, RollingFriction};
 use crate::contact::{ContactPair, ManifoldPatch};
+use crate::solver::Both;
 
 /// The combined coefficients of the two surfaces that touch in a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +50,7 @@ impl ContactPair {
 
 #[cold]
 fn of_parts(bodies: [&BodyState; 2], patch: &ManifoldPatch) -> PatchSurface {
-    let [a, b] = [0, 1].map(|i| surface(bodies[i], patch.parts.get(i)));
+    let [a, b] = [0, 1].both(|i| surface(bodies[i], patch.parts.get(i)));
     PatchSurface {
         friction: a.0.combine(b.0),
         restitution: a.1.combine(b.1),

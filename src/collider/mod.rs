@@ -34,6 +34,7 @@ pub(crate) use saved::SharedShapes;
 pub use surface_velocity::SurfaceVelocity;
 
 use crate::body::{MassProperties, SpawnOrder};
+use crate::solver::Both;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -217,7 +218,7 @@ impl Collider {
             return Err(ColliderError::DegenerateHull);
         }
         let profile = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)];
-        let corner = |(x, y)| [-1.0, 1.0].map(|z| half * Vec3::new(x, y, z));
+        let corner = |(x, y)| [-1.0, 1.0].both(|z| half * Vec3::new(x, y, z));
         Self::convex_hull(profile.map(corner).as_flattened())
     }
 

@@ -7,6 +7,7 @@ use super::{
 use crate::body::{BodyTable, SpawnOrder};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
+use crate::solver::sort;
 use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
@@ -185,8 +186,8 @@ pub fn contact_events(
             }
         }
     }
-    begins.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
-    ends.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
+    sort::by_key(&mut begins, |&(spawn_orders, ..)| spawn_orders);
+    sort::by_key(&mut ends, |&(spawn_orders, ..)| spawn_orders);
     for (_, ([a, b], slots, [on_a, on_b], pair), impulse, Hit { point, normal }) in begins {
         let event = |body, other, colliders, normal| ContactStarted {
             body,

@@ -38,6 +38,8 @@ use super::events::Untriggered;
 use crate::body::{BodyIndex, BodyTable, Inactive};
 use crate::graph::ConstraintGraph;
 use crate::settings::StepTime;
+use crate::solver::Both;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -128,7 +130,7 @@ pub fn contact_forces(
                 continue;
             }
             let of_a = ends.slots[0] == index.0;
-            let [a, b] = ends.slots.map(|slot| table.get(slot));
+            let [a, b] = ends.slots.both(|slot| table.get(slot));
             let (Some(a), Some(_)) = (a, b) else {
                 continue;
             };
@@ -164,7 +166,7 @@ pub fn contact_forces(
             found.push(((body.spawn_order, other_order), event));
         }
     }
-    found.sort_unstable_by_key(|&(spawn_orders, _)| spawn_orders);
+    sort::by_key(&mut found, |&(spawn_orders, _)| spawn_orders);
     for (_, event) in found {
         messages.write(event);
         untriggered.forces.push(event);

@@ -40,6 +40,7 @@ use crate::body::{BodyIndex, BodyTable, Inactive, RigidBody};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::joint::{JointEdge, JointForces};
 use crate::settings::{Gravity, StepTime};
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 #[cfg(feature = "bevy_reflect")]
@@ -163,7 +164,7 @@ impl Contacts<'_, '_> {
         let pairs =
             pairs.filter_map(|pair| Some((self.pairs.get(pair).ok()?.1.0.spawn_orders, pair)));
         let mut pairs: SmallVec<[_; 16]> = pairs.collect();
-        pairs.sort_unstable_by_key(|&(spawn_orders, _)| spawn_orders);
+        sort::by_key(&mut pairs, |&(spawn_orders, _)| spawn_orders);
         pairs.into_iter().map(|(_, pair)| pair).collect()
     }
 
@@ -182,7 +183,7 @@ impl Contacts<'_, '_> {
             }
         }
         // The order in the graph depends on the history of the pairs.
-        found.sort_unstable_by_key(|&(spawn_orders, ..)| spawn_orders);
+        sort::by_key(&mut found, |&(spawn_orders, ..)| spawn_orders);
         found
             .into_iter()
             .map(|(_, by, force)| (by, force))
@@ -204,7 +205,7 @@ impl Contacts<'_, '_> {
                 found.push((edge.order, by.unwrap_or(joint), force));
             }
         }
-        found.sort_unstable_by_key(|&(order, by, _)| (order, by));
+        sort::by_key(&mut found, |&(order, by, _)| (order, by.to_bits()));
         found
             .into_iter()
             .map(|(_, by, force)| (by, force))

@@ -43,6 +43,7 @@ use super::{Contacts, NotABody};
 use crate::body::BodyState;
 use crate::graph::Islands;
 use crate::settings::Gravity;
+use crate::solver::sort;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -220,7 +221,7 @@ impl Supports<'_, '_> {
             }
         }
         let place: EntityHashMap<usize> = order.iter().copied().zip(0..).collect();
-        path.sort_by_key(|bearing| place[&bearing.above]);
+        sort::by_key(&mut path, |bearing| place[&bearing.above]);
         Ok(path)
     }
 
@@ -272,7 +273,7 @@ impl Supports<'_, '_> {
         let mut members: Vec<_> = members
             .map(|body| (body.spawn_order, body.entity))
             .collect();
-        members.sort_unstable_by_key(|&(spawn_order, _)| spawn_order);
+        sort::by_key(&mut members, |&(spawn_order, _)| spawn_order);
         Ok(members.into_iter().map(|(_, body)| body).collect())
     }
 
@@ -282,7 +283,7 @@ impl Supports<'_, '_> {
             let slot = self.contacts.slot(body).ok()?;
             Some(self.contacts.table.get(slot)?.spawn_order)
         };
-        bodies.sort_by_cached_key(spawn_order);
+        sort::by_key(&mut bodies, spawn_order);
         bodies
     }
 }

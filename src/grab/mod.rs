@@ -7,6 +7,7 @@ pub use hand::{Hand, HandPlugin, HandState, hands};
 
 use crate::body::{BodyState, Pose, limits};
 use crate::components::remove_later;
+use crate::solver::Both;
 use crate::solver::GrabConstraint;
 use bevy_ecs::component::Components;
 use bevy_ecs::lifecycle::HookContext;
@@ -192,7 +193,7 @@ impl Grab {
             arm: point - body.center,
             error: point - self.target,
             turn,
-            axes: [self.axes, self.turn_axes].map(Vec3::from),
+            axes: [self.axes, self.turn_axes].both(Vec3::from),
             response: self.response,
             max_speed: self.max_speed,
             max_force: self.max_force,

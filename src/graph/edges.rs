@@ -12,6 +12,8 @@
 
 use super::active::ActiveRows;
 use crate::body::make_room;
+use crate::solver::Both;
+use crate::solver::sort;
 use crate::state::{clone_fields, copy, copy_into};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
@@ -286,22 +288,11 @@ impl ConstraintGraph {
     }
 
     /// The edges that link a body to others.
-    pub(crate) fn links_of(&self, slot: u32) -> impl Iterator<Item = Link> {
-        let links = self.linked_edges(slot).iter();
-        links.map(|&edge| {
-            let Edge {
-                kind,
-                slots,
-                entity,
-                ..
-            } = self.edges[edge as usize];
-            Link {
-                kind,
-                slots,
-                pair: entity,
-                edge,
-            }
-        })
+    pub(crate) fn links_of(&self, slot: u32) -> Links<'_> {
+        Links {
+            graph: self,
+            edges: self.linked_edges(slot).iter(),
+        }
     }
 
     /// All edges of a body, with whether they link it.
@@ -327,12 +318,11 @@ impl ConstraintGraph {
     }
 
     /// The slots of the bodies that a body is linked to, [`WORLD`] included.
-    pub(super) fn neighbours(&self, slot: u32) -> impl Iterator<Item = u32> {
-        let links = self.linked_edges(slot).iter();
-        links.map(move |&edge| {
-            let [a, b] = self.edges[edge as usize].slots;
-            if a == slot { b } else { a }
-        })
+    pub(super) fn neighbours(&self, slot: u32) -> Neighbours<'_> {
+        Neighbours {
+            slot,
+            links: self.links_of(slot),
+        }
     }
 
     fn linked_edges(&self, slot: u32) -> &[u32] {
@@ -357,7 +347,7 @@ impl ConstraintGraph {
         if self.nodes.len() <= last {
             self.nodes.resize_with(last + 1, Node::default);
         }
-        let places = slots.map(|slot| {
+        let places = slots.both(|slot| {
             if slot == WORLD {
                 return 0;
             }
@@ -411,7 +401,7 @@ impl ConstraintGraph {
         // By slot: the body whose contact with this one was marked last.
         let mut marks: Vec<u32> = Vec::new();
         overlaps.filter(move |&[a, b]| {
-            let counts = [a, b].map(|slot| self.edges_of(slot).len());
+            let counts = [a, b].both(|slot| self.edges_of(slot).len());
             if counts[0].min(counts[1]) < MANY {
                 return !self.has_contact([a, b]);
             }
@@ -553,7 +543,7 @@ impl ConstraintGraph {
     /// Takes the reported edges, sorted by number.
     pub(super) fn take_reported(&mut self) -> Vec<(u32, bool)> {
         let mut reported = std::mem::take(&mut self.reported);
-        reported.sort_unstable();
+        sort::values(&mut reported);
         reported.dedup();
         reported
     }
@@ -569,6 +559,50 @@ impl ConstraintGraph {
                 self.settling.push((number, edge.entity));
             }
         }
+    }
+}
+
+/// The edges that link a body to others.
+#[derive(Clone, Debug)]
+pub(crate) struct Links<'a> {
+    graph: &'a ConstraintGraph,
+    edges: std::slice::Iter<'a, u32>,
+}
+
+impl Iterator for Links<'_> {
+    type Item = Link;
+
+    #[inline]
+    fn next(&mut self) -> Option<Link> {
+        let edge = *self.edges.next()?;
+        let of = &self.graph.edges[edge as usize];
+        Some(Link {
+            kind: of.kind,
+            slots: of.slots,
+            pair: of.entity,
+            edge,
+        })
+    }
+
+    #[inline]
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        self.edges.size_hint()
+    }
+}
+
+/// The slots of the bodies that a body is linked to.
+#[derive(Clone, Debug)]
+pub(super) struct Neighbours<'a> {
+    slot: u32,
+    links: Links<'a>,
+}
+
+impl Iterator for Neighbours<'_> {
+    type Item = u32;
+
+    #[inline]
+    fn next(&mut self) -> Option<u32> {
+        Some(self.links.next()?.other(self.slot))
     }
 }
 

@@ -5,6 +5,7 @@ use super::account::Wrench;
 use super::edges::{EdgeKind, Link};
 use crate::body::SpawnOrder;
 use crate::contact::{ContactImpulses, ContactPair, Manifold, PairsRef};
+use crate::solver::sort;
 use bevy_ecs::system::SystemParam;
 use smallvec::SmallVec;
 
@@ -41,7 +42,7 @@ impl Forces<'_, '_> {
             Some((orders, (link.other(slot), wrench)))
         });
         let mut found: SmallVec<[_; 16]> = found.collect();
-        found.sort_unstable_by_key(|&(orders, _)| orders);
+        sort::by_key(&mut found, |&(orders, _)| orders);
         found.into_iter().map(|(_, found)| found).collect()
     }
 }

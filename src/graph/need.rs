@@ -21,6 +21,8 @@ use super::edges::{EdgeKind, Link};
 use super::forces::Forces;
 use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, ExternalImpulse, Sleeping};
+use crate::solver::Both;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 use smallvec::SmallVec;
@@ -57,7 +59,7 @@ impl Need<'_, '_, '_> {
         };
         let impulse = self.sleepers.get(body.entity).ok().and_then(|of| of.1);
         let impulse = impulse.copied().unwrap_or_default();
-        let [linear, angular] = [body.velocity.linear, body.velocity.angular].map(Vec3::length);
+        let [linear, angular] = [body.velocity.linear, body.velocity.angular].both(Vec3::length);
         let given = impulse.linear.length() + impulse.angular.length() / body.radius;
         let momentum = body.mass.mass() * (linear + angular * body.radius) + given;
         if momentum > 0.0 {
@@ -128,7 +130,7 @@ impl Need<'_, '_, '_> {
                         .map(|&(at, force)| (at, change * force / sum)),
                 );
             }
-            below.sort_unstable_by_key(|&(slot, change)| (slot, change.to_bits()));
+            sort::by_key(&mut below, |&(slot, change)| (slot, change.to_bits()));
             below.dedup_by(|one, before| {
                 let same = one.0 == before.0;
                 before.1 += if same { one.1 } else { 0.0 };
@@ -270,7 +272,7 @@ impl Need<'_, '_, '_> {
         while first < found.slots.len() {
             // The order of links depends on their history; which bodies wake must not.
             let order = |&slot: &u32| self.table.get(slot).map(|body| body.spawn_order);
-            found.slots[first..].sort_unstable_by_key(order);
+            sort::by_key(&mut found.slots[first..], order);
             let end = found.slots.len();
             for i in first..end {
                 if sum > mass {

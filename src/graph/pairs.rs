@@ -19,6 +19,8 @@ use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
 use crate::narrowphase::Reach;
 use crate::revision::Revision;
 use crate::saving::{Restored, RestoredContacts};
+use crate::solver::Both;
+use crate::solver::sort;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -138,7 +140,7 @@ fn give_up(
 ) -> Vec<[u32; 2]> {
     let mut again = Vec::new();
     for (_, pair) in &lost.0 {
-        let alive = [0, 1].map(|i| {
+        let alive = [0, 1].both(|i| {
             let slot = pair.slots[i];
             let body = table.get_mut(slot).filter(|body| pair.is_of(i, body));
             let dynamic = body.map(|body| {
@@ -177,7 +179,7 @@ fn begin(
         !is_far
     });
     let mut overlaps: Vec<([SpawnOrder; 2], [u32; 2])> = near
-        .filter_map(|slots| Some((table.both(slots)?.map(|body| body.spawn_order), slots)))
+        .filter_map(|slots| Some((table.both(slots)?.both(|body| body.spawn_order), slots)))
         .collect();
     world.resource_mut::<Broadphase>().waiting = waiting;
     if overlaps.is_empty() {
@@ -185,7 +187,9 @@ fn begin(
     }
     let table = world.resource::<BodyTable>();
     // The tree's shape depends on its history; the order of pairs must not. A pair that a user has despawned may be there twice.
-    overlaps.sort_unstable();
+    sort::by_key(&mut overlaps, |&(orders, [a, b])| {
+        (orders, u64::from(a) << 32 | u64::from(b))
+    });
     overlaps.dedup();
     graph.reserve(overlaps.len(), table.slots());
     let mut warnings = Vec::new();

@@ -17,6 +17,8 @@ use super::edges::ConstraintGraph;
 use super::parts::Parts;
 use crate::body::cover;
 use crate::revision::Revision;
+use crate::solver::Both;
+use crate::solver::sort;
 use crate::state::clone_fields;
 use std::collections::VecDeque;
 use std::fmt;
@@ -186,7 +188,7 @@ impl Partition {
         }
         let mut parts = Parts::new(entering.len());
         for &slots in links {
-            let places = slots.map(|slot| self.places.get(slot as usize).copied());
+            let places = slots.both(|slot| self.places.get(slot as usize).copied());
             if let [Some(a), Some(b)] = places
                 && (a.island, b.island) == (ENTERS, ENTERS)
             {
@@ -270,7 +272,7 @@ impl Partition {
             .iter()
             .filter_map(|&slot| Some((self.id(slot)?, slot)))
             .collect();
-        ends.sort_unstable();
+        sort::values(&mut ends);
         ends.dedup();
         let mut search = std::mem::take(&mut self.search);
         for ends in ends.chunk_by(|(a, _), (b, _)| a == b) {
@@ -315,8 +317,7 @@ impl Partition {
             island.number = NONE;
             island.first != NONE
         });
-        self.numbered
-            .sort_unstable_by_key(|&id| islands[id as usize].first);
+        sort::by_key(&mut self.numbered, |&id| islands[id as usize].first);
         self.numbered.dedup();
         for (number, &id) in self.numbered.iter().enumerate() {
             islands[id as usize].number = number as u32;

@@ -14,6 +14,8 @@ use super::{
 use crate::body::{BodyIndex, BodyState, BodyTable, Pose, SpawnOrder, is_body};
 use crate::graph::{ConstraintGraph, EdgeKind, WORLD, activate};
 use crate::mortar::MortarJoint;
+use crate::solver::Both;
+use crate::solver::sort;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
@@ -44,7 +46,9 @@ pub fn joints(
             .filter_map(|joint| Some((order_of(world.get_entity(joint).ok()?), joint)))
             .collect();
         // Joints without a number were spawned before the plugins were added.
-        found.sort_unstable_by_key(|&(order, joint)| (order, joint.index_u32(), joint));
+        sort::by_key(&mut found, |&(order, joint)| {
+            (order, joint.index_u32(), joint.to_bits())
+        });
         found.dedup();
         for (_, joint) in found {
             update(world, joint);
@@ -165,7 +169,7 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
     let definition = settle(world, joint, found, slots);
     let table = world.resource::<BodyTable>();
     let spawn_orders =
-        slots.map(|slot| table.get(slot).map_or(SpawnOrder::NONE, |b| b.spawn_order));
+        slots.both(|slot| table.get(slot).map_or(SpawnOrder::NONE, |b| b.spawn_order));
     if let Err(problem) = definition.check() {
         detach(world, joint);
         report(world, joint, problem);
@@ -229,9 +233,9 @@ fn settle(
         return normalized(found);
     }
     let table = world.resource::<BodyTable>();
-    let bodies = slots.map(|slot| table.get(slot));
-    let poses = bodies.map(|body| body.map_or(Pose::default(), |body| body.pose));
-    let centers = bodies.map(|body| body.map(|body| body.center));
+    let bodies = slots.both(|slot| table.get(slot));
+    let poses = bodies.both(|body| body.map_or(Pose::default(), |body| body.pose));
+    let centers = bodies.both(|body| body.map(|body| body.center));
     let frames = resolve(found.frames, poses, centers, found.is_apart());
     let local = JointDefinition { frames, ..found };
     let anchors = local.anchors();

@@ -2,6 +2,7 @@
 
 use super::{JointFrame, JointProblem};
 use crate::body::limits;
+use crate::solver::Both;
 use crate::solver::{JointAxis, JointMotor, Section};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
@@ -132,7 +133,7 @@ impl JointDefinition {
 
     /// The rotations from the solver's axes to those of each body. The frames must be local.
     pub fn rotations(&self) -> [Quat; 2] {
-        self.frames.map(|frame| match frame.basis {
+        self.frames.both(|frame| match frame.basis {
             super::JointBasis::Local(turn) => turn * self.turn,
             _ => self.turn,
         })
@@ -140,7 +141,7 @@ impl JointDefinition {
 
     /// The anchors in the frames of the bodies, m. The frames must be local.
     pub fn anchors(&self) -> [Vec3; 2] {
-        self.frames.map(|frame| match frame.anchor {
+        self.frames.both(|frame| match frame.anchor {
             super::JointAnchor::Local(point) => point,
             _ => Vec3::ZERO,
         })

@@ -1,5 +1,6 @@
 //! Errors about joints.
 
+use crate::solver::Both;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
@@ -109,7 +110,7 @@ impl fmt::Display for JointError {
             Some(body) => body.to_string(),
             None => "the world".to_owned(),
         };
-        let [one, other] = self.bodies.map(name);
+        let [one, other] = self.bodies.both(name);
         write!(
             f,
             " between {one} and {other} is disabled: {}; it comes back by itself when that is mended",

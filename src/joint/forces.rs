@@ -3,6 +3,7 @@
 use super::JointEdge;
 use super::list::look_again;
 use crate::body::{SpawnOrder, limits};
+use crate::solver::sort;
 use crate::solver::{COORDINATES, JointConstraint};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
@@ -217,7 +218,7 @@ pub fn joint_events(
     mut messages: MessageWriter<JointBroke>,
 ) {
     let mut found = std::mem::take(&mut broken.found);
-    found.sort_unstable_by_key(|&(order, broke)| (order, broke.joint));
+    sort::by_key(&mut found, |&(order, broke)| (order, broke.joint.to_bits()));
     for (_, broke) in found {
         if let Ok(mut joint) = commands.get_entity(broke.joint) {
             joint.try_insert(super::JointDisabled);

@@ -11,6 +11,7 @@ use super::{
 use crate::body::SpawnOrder;
 use crate::joint::BreakForce;
 use crate::mortar::MortarJoint;
+use crate::solver::sort;
 use crate::state::components_of;
 use crate::state::erased::Values;
 use crate::state::visitor::Visitor;
@@ -64,7 +65,7 @@ macro_rules! joint_types {
                     Some((order, joint.id(), definition(joint).1?.bodies))
                 })
                 .collect();
-            joints.sort_unstable_by_key(|&(order, joint, _)| (order, joint));
+            sort::by_key(&mut joints, |&(order, joint, _)| (order, joint.to_bits()));
             joints.into_iter().map(|(_, joint, bodies)| (joint, bodies)).collect()
         }
 

@@ -4,6 +4,7 @@ use super::{JointEdge, JointForces};
 use crate::body::BodyTable;
 use crate::contact::NotABody;
 use crate::graph::{ConstraintGraph, EdgeKind};
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::Vec3;
@@ -98,7 +99,9 @@ impl Joints<'_, '_> {
                 Some((edge.order, found))
             })
             .collect();
-        joints.sort_unstable_by_key(|(order, found)| (*order, found.joint));
+        sort::by_key(&mut joints, |(order, found)| {
+            (*order, found.joint.to_bits())
+        });
         Ok(joints.into_iter().map(|(_, found)| found).collect())
     }
 

@@ -3,6 +3,7 @@
 use super::{Block, MasonryError, error};
 use crate::body::Pose;
 use crate::collider::Collider;
+use crate::solver::Both;
 use bevy_math::ops;
 use glam::{Quat, Vec3};
 use std::f32::consts::{FRAC_PI_2, TAU};
@@ -76,7 +77,7 @@ impl Dome {
             let mut points = Vec::with_capacity(8);
             for radius in radii {
                 for up in [low, high] {
-                    points.extend([-1.0, 1.0].map(|side| corner(radius, up, side)));
+                    points.extend([-1.0, 1.0].both(|side| corner(radius, up, side)));
                 }
             }
             let middle = points.iter().sum::<Vec3>() / points.len() as f32;

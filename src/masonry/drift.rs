@@ -2,6 +2,7 @@
 
 use crate::body::{BodyIndex, BodyTable, Pose, RigidBody};
 use crate::preview::Moved;
+use crate::solver::sort;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 
@@ -83,8 +84,10 @@ impl Drift {
         let moved = moved.filter(|moved| is_other(&moved.body) && !self.gone.contains(&moved.body));
         let gone = self.gone.iter().copied().filter(is_other);
         let (mut moved, mut gone): (Vec<Moved>, Vec<Entity>) = (moved.collect(), gone.collect());
-        moved.sort_unstable_by_key(|moved| (moved.body.index_u32(), moved.body));
-        gone.sort_unstable_by_key(|body| (body.index_u32(), *body));
+        sort::by_key(&mut moved, |moved| {
+            (moved.body.index_u32(), moved.body.to_bits())
+        });
+        sort::by_key(&mut gone, |body| (body.index_u32(), body.to_bits()));
         (moved, gone)
     }
 }

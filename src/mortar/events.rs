@@ -2,6 +2,7 @@
 
 use crate::body::{BodyTable, SpawnOrder};
 use crate::joint::JointEdge;
+use crate::solver::sort;
 use crate::solver::{MortarFailure, Utilization};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
@@ -90,7 +91,7 @@ pub fn mortar_events(
     mut messages: MessageWriter<MortarBroke>,
 ) {
     let mut found = std::mem::take(&mut broken.found);
-    found.sort_unstable_by_key(|&(order, broke)| (order, broke.joint));
+    sort::by_key(&mut found, |&(order, broke)| (order, broke.joint.to_bits()));
     for (_, broke) in found {
         if let Ok(mut joint) = commands.get_entity(broke.joint) {
             joint.try_despawn();

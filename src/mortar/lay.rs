@@ -11,6 +11,7 @@ use crate::contact::{ContactPair, Manifold};
 use crate::graph::{ConstraintGraph, EdgeKind, activate, end_pairs};
 use crate::joint;
 use crate::settings::StabilizationSettings;
+use crate::solver::sort;
 use bevy_ecs::component::Components;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
@@ -131,6 +132,6 @@ fn find(world: &World, fresh: &[(Entity, u32, Mortar)]) -> Vec<Bond> {
         }
     }
     // The sort is stable: the patches of a pair keep their order.
-    bonds.sort_by_key(|bond| bond.orders);
+    sort::by_key(&mut bonds, |bond| bond.orders);
     bonds
 }

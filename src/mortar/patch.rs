@@ -1,6 +1,7 @@
 //! The area of a bonded patch: its centroid and its principal axes.
 
 use crate::solver::Section;
+use crate::solver::sort;
 use glam::{DMat2, DVec2, Mat3, Quat, Vec2, Vec3};
 
 /// A polygon in a plane of the world, in the axes in which a section is described.
@@ -57,7 +58,7 @@ impl Patch {
         };
         let mut flat: Vec<DVec2> = points.iter().map(flat).collect();
         let mean = flat.iter().sum::<DVec2>() / flat.len() as f64;
-        flat.sort_by(|a, b| (a - mean).to_angle().total_cmp(&(b - mean).to_angle()));
+        sort::by_key(&mut flat, |point| (point - mean).to_angle());
         leave_four(&mut flat);
         let moments = Moments::of(&flat);
         // A comparison with NaN is false.

@@ -13,6 +13,8 @@ use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::graph::ConstraintGraph;
 use crate::revision::Revision;
 use crate::settings::StepTime;
+use crate::solver::Both;
+use crate::solver::sort;
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 
@@ -50,15 +52,13 @@ pub fn crowd(
     let mut deep = find_deep(&table, &graph, places, &mut pairs);
     let spawn_order = |slot: u32| table.get(slot).map(|body| body.spawn_order);
     // The order must not depend on the entities of pairs.
-    deep.sort_unstable_by(|a, b| {
-        let spawn_orders = |pair: &DeepPair| pair.slots.map(spawn_order);
-        b.depth
-            .total_cmp(&a.depth)
-            .then(spawn_orders(a).cmp(&spawn_orders(b)))
+    sort::by_key(&mut deep, |pair| {
+        let [a, b] = pair.slots.both(spawn_order);
+        (-pair.depth, a.unwrap_or_default(), b.unwrap_or_default())
     });
     let mut counts = vec![0usize; table.slots()];
     deep.retain(|pair| {
-        let counts_for = pair.slots.map(|slot| {
+        let counts_for = pair.slots.both(|slot| {
             counts[slot as usize] += 1;
             counts[slot as usize] <= MOST
         });

@@ -11,6 +11,7 @@ use super::round::{self, Part};
 use super::{parry, passing, rolling};
 use crate::body::BodyState;
 use crate::contact::{Manifold, NarrowphaseCache};
+use crate::solver::Both;
 use glam::{DVec3, Quat, Vec3};
 use smallvec::smallvec;
 
@@ -169,7 +170,7 @@ impl WithTwo for Two<'_> {
             find_beside(a, b, &place, search.reach, contact);
         }
         let flight = passing::flight(body_a, body_b, dt);
-        let long = [body_a, body_b].map(|body| body.is_slender() && flight > body.radius);
+        let long = [body_a, body_b].both(|body| body.is_slender() && flight > body.radius);
         if long != [false; 2] && !contact.points.is_empty() {
             // The point at its far end.
             let reach = search.reach + 2.0 * flight as f64;

@@ -1,7 +1,7 @@
 //! Contacts that parry computes: those of balls, capsules and rounded shapes, and of the parts of meshes, height fields and compounds.
 
 use super::Rules;
-use super::candidates::{Candidate, Candidates, max_points, push};
+use super::candidates::{Candidate, Candidates, max_points, push, sort_deepest_first};
 use super::dispatcher::Dispatcher;
 use super::polyhedra::FeatureId;
 use super::{reduction, rolling};
@@ -199,7 +199,7 @@ fn feature(contact: &TrackedContact<()>) -> FeatureId {
 
 /// Drops the points that are nearer than `merge` (m) to a deeper point.
 fn merge(candidates: &mut Candidates, merge: f32) {
-    candidates.sort_by(|x, y| x.distance.total_cmp(&y.distance));
+    sort_deepest_first(candidates);
     let mut kept = Candidates::new();
     for &candidate in candidates.iter() {
         let near = |k: &Candidate| k.position.distance_squared(candidate.position) < merge * merge;

@@ -9,13 +9,14 @@
 
 use crate::body::BodyState;
 use crate::contact::{CachedRelativePose, Manifold, NarrowphaseCache, ParryManifold};
+use crate::solver::Both;
 use glam::{Quat, Vec3};
 
 impl CachedRelativePose {
     /// Stores the current relative pose. The manifold must not be recycled yet.
     pub(crate) fn take(&mut self, a: &BodyState, b: &BodyState) {
         self.between = a.center - b.center;
-        self.rotations = [a, b].map(|body| body.pose.rotation.to_array());
+        self.rotations = [a, b].both(|body| body.pose.rotation.to_array());
         self.forget();
     }
 
@@ -123,7 +124,7 @@ impl Since {
     #[inline]
     pub(crate) fn refresh(&self, manifold: &mut Manifold) {
         for patch in &manifold.patches {
-            let [a, b] = self.turns.each_ref().map(|turn| turn.back(patch.normal));
+            let [a, b] = self.turns.each_ref().both(|turn| turn.back(patch.normal));
             let (apart, tilted) = (
                 patch.normal.dot(self.shift) - b.dot(manifold.between),
                 a - b,

@@ -5,6 +5,7 @@ use super::rays::at_most;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use crate::body::Pose;
 use crate::collider::Collider;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_math::Dir3;
 use glam::Vec3;
@@ -177,14 +178,14 @@ impl SpatialQuery<'_, '_> {
         filter: &QueryFilter,
     ) -> Result<Vec<CastHit>, QueryError> {
         let cast = Cast::new(collider, from, direction, max_distance)?;
-        let near = self.view().along(|node| cast.way_to(node) < f32::MAX);
+        let near = self.view().along(&|node| cast.way_to(node) < f32::MAX);
         let hits = self.all(near, |slot| {
             let hit = cast.hit(&self.target(slot, filter)?, cast.max_distance, filter);
             hit.transpose()
         });
         let hits = hits.into_iter().map(|(_, hit)| hit);
         let mut hits: Vec<CastHit> = hits.collect::<Result<_, _>>()?;
-        hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        sort::by_key(&mut hits, |hit| hit.distance);
         Ok(hits)
     }
 }

@@ -60,6 +60,7 @@ pub use rays::RayHit;
 use crate::body::{BodyIndex, BodyState, BodyTable, Pending, Pose, RigidBody, Simulated};
 use crate::broadphase::Broadphase;
 use crate::settings::PhysicsThreads;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use parry3d::partitioning::Bvh;
@@ -176,13 +177,13 @@ impl SpatialQuery<'_, '_> {
                 (best, least) = (Some(first + leaf), distance);
             }
         }
-        for number in self.view().outside() {
+        self.view().each_outside(&mut |number| {
             if let Some(distance) = distance(number, least)
                 && distance < least
             {
                 (best, least) = (Some(number), distance);
             }
-        }
+        });
         hit(best?)
     }
 
@@ -193,14 +194,20 @@ impl SpatialQuery<'_, '_> {
         hit: impl Fn(u32) -> Option<H>,
     ) -> Vec<(&BodyState, H)> {
         let view = self.view();
-        numbers.extend(view.outside());
+        view.each_outside(&mut |number| numbers.push(number));
         // A body that has left its box may occur twice. The order of results from the tree depends on its history, so they are sorted.
-        numbers.sort_unstable_by_key(|&number| {
+        sort::by_key(&mut numbers, |&number| {
             (view.get(number).map(|body| body.spawn_order), number)
         });
         numbers.dedup();
-        let hits = numbers.into_iter();
-        hits.filter_map(|number| Some((view.get(number)?, hit(number)?)))
-            .collect()
+        let mut hits = Vec::new();
+        for number in numbers {
+            if let Some(body) = view.get(number)
+                && let Some(hit) = hit(number)
+            {
+                hits.push((body, hit));
+            }
+        }
+        hits
     }
 }

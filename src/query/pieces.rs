@@ -25,29 +25,34 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// The pieces that a query may return: the whole shape of a body without child colliders.
-    #[inline]
-    pub fn pieces(&self, filter: &QueryFilter) -> impl Iterator<Item = Piece<'a>> {
+    /// Calls a function with the pieces that a query may return, in order, until it returns true: the whole shape of a body without child
+    /// colliders. Returns true if it did.
+    pub fn any_piece(
+        &self,
+        filter: &QueryFilter,
+        found: &mut dyn FnMut(Piece<'a>) -> bool,
+    ) -> bool {
+        let parts = self.body.parts.as_deref();
+        let Some(parts) = parts.filter(|parts| parts.has_pieces()) else {
+            return found(self.whole());
+        };
+        let Some(compound) = self.shape.as_compound() else {
+            return false;
+        };
         let at = self.pose.to_parry();
-        let body = self.body;
-        let parts = body.parts.as_deref().filter(|parts| parts.has_pieces());
-        let whole = parts.is_none().then(|| self.whole());
-        let compound = parts.and_then(|parts| Some((parts, self.shape.as_compound()?)));
-        let pieces = compound.into_iter().flat_map(move |(parts, compound)| {
-            (0..)
-                .zip(compound.shapes())
-                .filter_map(move |(piece, (local, shape))| {
-                    let collider = body.collider_entity(parts.owner(piece));
-                    filter
-                        .admits_part(collider, parts.layers(piece))
-                        .then(|| Piece {
-                            collider,
-                            shape: &**shape,
-                            at: at * *local,
-                        })
+        for (piece, (local, shape)) in (0..).zip(compound.shapes()) {
+            let collider = self.body.collider_entity(parts.owner(piece));
+            if filter.admits_part(collider, parts.layers(piece))
+                && found(Piece {
+                    collider,
+                    shape: &**shape,
+                    at: at * *local,
                 })
-        });
-        whole.into_iter().chain(pieces)
+            {
+                return true;
+            }
+        }
+        false
     }
 
     /// The best of the hits on the pieces, by a key that is to be small. The first of equal ones counts.
@@ -61,7 +66,15 @@ impl<'a> Target<'a> {
         if self.body.parts.is_none() {
             return hit(self.whole());
         }
-        let hits = self.pieces(filter).filter_map(&mut hit);
-        hits.reduce(|best, next| if key(&next) < key(&best) { next } else { best })
+        let mut best = None;
+        self.any_piece(filter, &mut |piece| {
+            if let Some(next) = hit(piece)
+                && best.as_ref().is_none_or(|best| key(&next) < key(best))
+            {
+                best = Some(next);
+            }
+            false
+        });
+        best
     }
 }

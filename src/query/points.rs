@@ -57,10 +57,8 @@ impl SpatialQuery<'_, '_> {
         let here = Aabb::new(point, point);
         let hits = self.all(self.view().near(&here), |slot| {
             let target = self.target(slot, filter)?;
-            let mut pieces = target.pieces(filter);
-            pieces
-                .any(|piece| piece.shape.contains_point(&piece.at, point))
-                .then_some(())
+            let mut contains = |piece: Piece| piece.shape.contains_point(&piece.at, point);
+            target.any_piece(filter, &mut contains).then_some(())
         });
         Ok(hits.into_iter().map(|(body, ())| body.entity).collect())
     }

@@ -2,12 +2,13 @@
 
 use super::pieces::Piece;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
+use crate::settings::Columns;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_shape::Ray3d;
 use glam::Vec3;
 use parry3d::partitioning::Bvh;
 use parry3d::query::Ray;
-use rayon::prelude::*;
 
 /// A point where a ray hits a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +27,9 @@ pub struct RayHit {
 
 /// Cost of a ray relative to the items that [`PhysicsThreads`](crate::settings::PhysicsThreads) counts.
 const WEIGHT: usize = 64;
+
+/// Number of rays that one thread casts at a time, at least.
+const SHARE: usize = 16;
 
 impl Target<'_> {
     fn distance_along(&self, ray: &Ray, max_distance: f32, filter: &QueryFilter) -> Option<f32> {
@@ -123,13 +127,13 @@ impl SpatialQuery<'_, '_> {
         let (ray, max_distance) = checked(ray, max_distance)?;
         let near = self
             .view()
-            .along(|node| node.cast_ray(&ray, max_distance) < f32::MAX);
+            .along(&|node| node.cast_ray(&ray, max_distance) < f32::MAX);
         let hits = self.all(near, |slot| {
             self.target(slot, filter)?
                 .ray_hit(&ray, max_distance, filter)
         });
         let mut hits: Vec<RayHit> = hits.into_iter().map(|(_, hit)| hit).collect();
-        hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        sort::by_key(&mut hits, |hit| hit.distance);
         Ok(hits)
     }
 
@@ -147,7 +151,13 @@ impl SpatialQuery<'_, '_> {
         let cast = |&ray: &Ray3d| self.cast_ray(ray, max_distance, filter);
         let weight = WEIGHT * rays.len();
         match self.threads.runs_in_parallel(weight) {
-            true => (self.threads).run(weight, || rays.par_iter().map(cast).collect()),
+            true => {
+                let mut hits = vec![Ok(None); rays.len()];
+                self.threads.run(weight, || {
+                    (rays, &mut *hits).share(SHARE, &|(ray, hit)| *hit = cast(ray));
+                });
+                hits.into_iter().collect()
+            }
             false => rays.iter().map(cast).collect(),
         }
     }

@@ -59,28 +59,37 @@ impl<'w> View<'w> {
         [(self.broadphase.tree(), 0)].into_iter().chain(pending)
     }
 
-    /// The bodies that are in no tree, or outside of their box in it.
-    pub fn outside(&self) -> impl Iterator<Item = u32> + use<'w> {
-        let first = self.first();
-        let pending = self.pending.into_iter().flat_map(Pending::unbounded);
-        (self.broadphase.outside()).chain(pending.map(move |place| first + place))
+    /// Calls a function with the bodies that are in no tree, or outside of their box in it.
+    pub fn each_outside(&self, found: &mut dyn FnMut(u32)) {
+        for slot in self.broadphase.outside() {
+            found(slot);
+        }
+        if let Some(pending) = self.pending {
+            for place in pending.unbounded() {
+                found(self.first() + place);
+            }
+        }
     }
 
     /// The bodies in trees whose boxes intersect this one.
     pub fn near(&self, aabb: &Aabb) -> Vec<u32> {
-        let leaves = |(tree, first): (&'w Bvh, u32)| {
-            let leaves = tree.intersect_aabb(aabb);
-            leaves.map(move |leaf| first + leaf)
-        };
-        self.trees().flat_map(leaves).collect()
+        let mut found = Vec::new();
+        for (tree, first) in self.trees() {
+            for leaf in tree.intersect_aabb(aabb) {
+                found.push(first + leaf);
+            }
+        }
+        found
     }
 
     /// The bodies in trees below nodes for which `enters` is true.
-    pub fn along(&self, enters: impl Fn(&BvhNode) -> bool) -> Vec<u32> {
-        let leaves = |(tree, first): (&'w Bvh, u32)| {
-            let leaves = tree.leaves(&enters);
-            leaves.map(move |leaf| first + leaf)
-        };
-        self.trees().flat_map(leaves).collect()
+    pub fn along(&self, enters: &dyn Fn(&BvhNode) -> bool) -> Vec<u32> {
+        let mut found = Vec::new();
+        for (tree, first) in self.trees() {
+            for leaf in tree.leaves(enters) {
+                found.push(first + leaf);
+            }
+        }
+        found
     }
 }

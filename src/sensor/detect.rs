@@ -3,6 +3,7 @@
 use super::zones::{Content, placed};
 use crate::body::{BodyState, Pose, RigidBody};
 use crate::children::Zone;
+use crate::solver::sort;
 use parry3d::math::Pose as ParryPose;
 use parry3d::query::intersection_test;
 use parry3d::shape::Shape;
@@ -65,6 +66,6 @@ impl Detector<'_> {
                 found.push(content(part));
             }
         }
-        found[first..].sort_unstable();
+        sort::by_key(&mut found[first..], Content::rank);
     }
 }

@@ -8,6 +8,7 @@ use crate::body::{BodyIndex, BodyState, BodyTable, PlacedActive, PlacedBodies, P
 use crate::broadphase::Broadphase;
 use crate::children::CompoundCollider;
 use crate::saving::Restored;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 
 type WithSensors<'w, 's> =
@@ -56,7 +57,7 @@ pub fn sensors(
         }
     }
     // Several bodies may have changed the same zone.
-    changes.sort_by_key(|change| change.rank);
+    sort::by_key(&mut changes, |change| change.rank);
     for change in changes.chunk_by(|one, other| one.rank == other.rank) {
         let sensor = change[0].sensor;
         let of = [sensor, change[0].body];
@@ -251,7 +252,7 @@ impl Stage<'_, '_, '_> {
                 detector.detect(body, slot, pose, &mut found);
             }
         }
-        found.sort_unstable();
+        sort::by_key(&mut found, Content::rank);
         self.set(zone, found);
     }
 
@@ -301,7 +302,7 @@ impl Stage<'_, '_, '_> {
         let mut contents = tracked.contents.clone();
         contents.retain(|known| known.slot != slot);
         contents.extend(found);
-        contents.sort_unstable();
+        sort::by_key(&mut contents, Content::rank);
         self.set(zone, contents);
     }
 

@@ -32,6 +32,12 @@ pub(super) struct Content {
 }
 
 impl Content {
+    /// Its place in the order.
+    pub fn rank(&self) -> (SpawnOrder, u64, u64) {
+        let piece = u64::from(self.part) << 32 | u64::from(self.slot);
+        (self.spawn_order, piece, self.collider.to_bits())
+    }
+
     /// Whether the body is still in the table, with this part.
     fn lives(&self, table: &BodyTable) -> bool {
         table

@@ -1,5 +1,8 @@
 //! Parallel iteration over several slices of equal length, row by row.
 
+use crate::solver::join::join;
+use std::ops::Range;
+
 /// A tuple of slices of equal length.
 pub trait Columns: Sized + Send {
     /// One element of each slice.
@@ -21,7 +24,7 @@ pub trait Columns: Sized + Send {
             return self.for_each(work);
         }
         let [one, other] = self.split_at(rows / 2);
-        rayon::join(|| one.share(grain, work), || other.share(grain, work));
+        join(|| one.share(grain, work), || other.share(grain, work));
     }
 }
 
@@ -51,6 +54,18 @@ impl<T: Send> Column for &mut [T] {
 
     fn split_at_row(self, row: usize) -> (Self, Self) {
         self.split_at_mut(row)
+    }
+}
+
+/// The numbers of the rows.
+impl Column for Range<usize> {
+    fn rows(&self) -> usize {
+        self.len()
+    }
+
+    fn split_at_row(self, row: usize) -> (Self, Self) {
+        let middle = self.start + row;
+        (self.start..middle, middle..self.end)
     }
 }
 

@@ -18,6 +18,7 @@ mod time;
 
 pub use check::ActiveSettings;
 pub(crate) use check::check;
+pub(crate) use columns::Columns;
 pub use narrowphase::NarrowphaseSettings;
 pub use physics_time::PhysicsTime;
 pub use preset::Preset;
@@ -30,6 +31,7 @@ pub use threads::PhysicsThreads;
 pub use time::{STEP_LENGTHS, StepTime};
 
 use crate::body::Velocity;
+use crate::solver::Both;
 use crate::solver::Settling;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
@@ -163,7 +165,7 @@ impl SleepSettings {
         let settles = !self.is_off() && self.settling > 0.0;
         settles.then(|| Settling {
             rate: self.settling,
-            below: [self.linear_speed, self.angular_speed].map(|speed| SLOW * speed),
+            below: [self.linear_speed, self.angular_speed].both(|speed| SLOW * speed),
         })
     }
 }

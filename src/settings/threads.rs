@@ -1,6 +1,7 @@
 //! The threads that physics runs on.
 
 use super::columns::Columns;
+use crate::solver::join::{Work, once};
 use bevy_ecs::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -76,10 +77,10 @@ impl PhysicsThreads {
             return work();
         }
         self.was_divided.store(true, Ordering::Relaxed);
-        match &self.pool {
+        result_of(work, |work| match &self.pool {
             Some(pool) => pool.install(work),
             None => work(),
-        }
+        })
     }
 
     /// Does two things, at the same time if there are enough items: `ahead` in the thread pool, which it may divide, and `here` on the calling
@@ -96,18 +97,24 @@ impl PhysicsThreads {
         }
         self.was_divided.store(true, Ordering::Relaxed);
         let mut found = None;
-        let store = &mut found;
-        let here = match &self.pool {
+        let ahead = result_of(ahead, |ahead| {
+            self.spawn(ahead, &mut once(|| found = Some(here())));
+        });
+        (ahead, found.expect("it was done on this thread"))
+    }
+
+    /// Does one thing in the thread pool and, at the same time, another on the calling thread.
+    fn spawn(&self, ahead: &mut Work, here: &mut dyn FnMut()) {
+        match &self.pool {
             Some(pool) => pool.in_place_scope(|scope| {
-                scope.spawn(|_| *store = Some(ahead()));
-                here()
+                scope.spawn(|_| ahead());
+                here();
             }),
             None => rayon::in_place_scope(|scope| {
-                scope.spawn(|_| *store = Some(ahead()));
-                here()
+                scope.spawn(|_| ahead());
+                here();
             }),
-        };
-        (found.expect("the scope waits for it"), here)
+        }
     }
 
     /// Returns true if work was divided since the last step that [`run_step`](Self::run_step) has run.
@@ -119,12 +126,13 @@ impl PhysicsThreads {
     /// wait for it, and its data would go from the cache of one core to that of another and back: a wall of 5 000 bricks took a fifth longer
     /// on two threads than on one.
     pub(crate) fn run_step<R: Send>(&self, step: impl FnOnce() -> R + Send) -> R {
-        let was_divided = self.was_divided.swap(false, Ordering::Relaxed);
-        match &self.pool {
-            _ if !was_divided => step(),
+        if !self.was_divided.swap(false, Ordering::Relaxed) {
+            return step();
+        }
+        result_of(step, |step| match &self.pool {
             Some(pool) => pool.install(step),
             None => rayon::scope(|_| step()),
-        }
+        })
     }
 
     /// Does work on each row of some columns, in parallel if there are enough rows. [`LIGHT`] rows count as one item.
@@ -154,4 +162,11 @@ impl PhysicsThreads {
     /// if they are not, as much as a thousand pairs at rest. With a minimum of 128 items, walls of 10 × 10 took 2.5 times as long on two
     /// threads.
     pub const DEFAULT_MIN_ITEMS: usize = 4096;
+}
+
+/// Returns the result of work that `run` does.
+fn result_of<R: Send>(work: impl FnOnce() -> R + Send, run: impl FnOnce(&mut Work)) -> R {
+    let mut found = None;
+    run(&mut once(|| found = Some(work())));
+    found.expect("the work was done")
 }

@@ -27,7 +27,9 @@ use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
 use crate::mortar::BrokenMortar;
 use crate::profile::SolvePart;
-use crate::settings::Method;
+use crate::settings::{Columns, Method};
+use crate::solver::join::join;
+use crate::solver::sort;
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
 use crate::warm_start::{
     Grabs, Island, IslandProblems, Joints, LARGE, Pairs, ProblemSet, Rows, SolveContext,
@@ -35,7 +37,6 @@ use crate::warm_start::{
 use bevy_ecs::prelude::*;
 use bevy_platform::time::Instant;
 use glam::Vec3;
-use rayon::prelude::*;
 pub use reports::{IslandReport, ReportWriter, SolveReports};
 
 /// Maximum number of small islands that are solved together, so that their blocks stay in the cache.
@@ -190,7 +191,7 @@ impl Solve<'_> {
             return;
         }
         // Few bodies are in no problem, so they are searched; a list by slot would be as long as the world is large.
-        outside.sort_unstable_by_key(|(slot, _)| *slot);
+        sort::by_key(outside, |(slot, _)| *slot);
         for (slot, copy) in islands.iter_mut().flat_map(Island::copies) {
             if let Ok(at) = outside.binary_search_by_key(&slot, |(slot, _)| *slot) {
                 let Velocity { linear, angular } = outside[at].1;
@@ -225,12 +226,13 @@ impl Solve<'_> {
                 _ => solve_together(solver, some, context),
             };
             if threads.runs_in_parallel(points) {
-                let (mut small, large): (Vec<_>, Vec<_>) =
+                let (mut small, mut large): (Vec<_>, Vec<_>) =
                     work.partition(|island| is_small(island));
+                let mut small: Vec<_> = small.chunks_mut(TOGETHER).collect();
                 threads.run(points, || {
-                    rayon::join(
-                        || large.into_par_iter().with_max_len(1).for_each(solve),
-                        || small.par_chunks_mut(TOGETHER).for_each(solve_small),
+                    join(
+                        || (&mut *large,).share(1, &|(island,)| solve(island)),
+                        || (&mut *small,).share(1, &|(some,)| solve_small(some)),
                     );
                 });
             } else {

@@ -6,6 +6,7 @@ use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::grab::GrabForce;
 use crate::joint::{JointBroke, JointForces};
 use crate::mortar::MortarBroke;
+use crate::solver::Both;
 use crate::solver::GrabConstraint;
 use crate::warm_start::{Grabs, Island, LARGE, Pairs, ProblemSet, Stored};
 use bevy_ecs::change_detection::DetectChangesMut;
@@ -141,7 +142,7 @@ fn store_grabs<R: SolveRows>(problems: &ProblemSet<R>, grabs: &mut Grabs) {
 /// The computed velocity, with tiny numbers set to zero.
 #[inline]
 fn clean(velocity: [Vec3; 2]) -> Velocity {
-    let [linear, angular] = velocity.map(|v| limits::flush_to_zero(v.extend(0.0)).truncate());
+    let [linear, angular] = velocity.both(|v| limits::flush_to_zero(v.extend(0.0)).truncate());
     Velocity { linear, angular }
 }
 

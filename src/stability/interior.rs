@@ -7,6 +7,7 @@
 use super::cone::{product, quotient, reach};
 use super::cone_program::{Face, Motion, Program};
 use super::scaled::Scaled;
+use crate::solver::Both;
 
 /// Relative tolerance of the equations.
 const EXACT: f64 = 3e-7;
@@ -227,7 +228,7 @@ impl Method<'_> {
                 let cone = &scaled.cone;
                 let middle = cone.times(face.four(&point.z[start..]));
                 let [ds, dz] =
-                    [&predictor.s, &predictor.z].map(|numbers| face.four(&numbers[start..]));
+                    [&predictor.s, &predictor.z].both(|numbers| face.four(&numbers[start..]));
                 let second_order = product(cone.inverse(ds), cone.times(dz));
                 let square = product(middle, middle);
                 let mut reduction = std::array::from_fn(|i| square[i] + second_order[i]);
@@ -311,7 +312,7 @@ impl Method<'_> {
                     length = length.min(one(from[row], by[row]));
                 }
                 if face.has_friction() {
-                    let [from, by] = [from, by].map(|numbers| face.four(&numbers[start..]));
+                    let [from, by] = [from, by].both(|numbers| face.four(&numbers[start..]));
                     length = length.min(reach(from, by));
                 }
             }

@@ -3,6 +3,7 @@
 //! The order depends only on which bodies touch, so it is computed once for all rounds. The next body is always one with the fewest remaining
 //! neighbours (minimum degree), which keeps the factor sparse.
 
+use crate::solver::sort;
 use fixedbitset::FixedBitSet;
 use std::ops::Range;
 
@@ -69,7 +70,7 @@ impl Plan {
         }
         let rests = order.iter().map(|&body| {
             let mut rest: Vec<usize> = tied[body].iter().map(|&other| places[other]).collect();
-            rest.sort_unstable();
+            sort::values(&mut rest);
             rest
         });
         let (fronts, front_of) = fronts(rests);
@@ -140,7 +141,7 @@ fn children_first(order: &[usize], tied: &[Vec<usize>]) -> Vec<usize> {
     let mut reversed = Vec::with_capacity(order.len());
     while let Some(body) = open.pop() {
         reversed.push(body);
-        children[body].sort_by_key(|&child| tied[child].len());
+        sort::by_key(&mut children[body], |&child| tied[child].len());
         open.append(&mut children[body]);
     }
     reversed.reverse();

@@ -17,6 +17,7 @@ use super::interior::{self, Outcome};
 use super::scaled::Scaled;
 use super::structure::{Joint, Structure};
 use super::{FailingJoint, JointFailure, Margin, MovingBody, StabilityError};
+use crate::solver::Both;
 use glam::{DVec3, Vec3};
 
 /// Bodies slower than this share of the fastest count as not moving.
@@ -208,7 +209,7 @@ impl Structure {
 
     /// The resultant of a unit force of a joint on both its bodies.
     fn row(&self, force: Force) -> [Six; 2] {
-        [(force.ends[0], 1.0), (force.ends[1], -1.0)].map(|(end, sign)| {
+        [(force.ends[0], 1.0), (force.ends[1], -1.0)].both(|(end, sign)| {
             end.map_or([0.0; 6], |body| {
                 let arm = force.at - self.members[body].center;
                 let wrench = [force.force, arm.cross(force.force) + force.moment];

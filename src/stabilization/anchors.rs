@@ -12,6 +12,7 @@ use crate::graph::{ConstraintGraph, Islands};
 use crate::settings::{
     AnchorRule, Classifier, FrictionStabilization, PhysicsThreads, StabilizationSettings, StepTime,
 };
+use crate::solver::Both;
 use crate::solver::Slip;
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
@@ -36,7 +37,7 @@ pub(crate) fn write([a, b]: [&BodyState; 2], normal: Vec3, position: Vec3, slip:
             a.pose.inverse_transform_point(position),
             b.pose.inverse_transform_point(position - slip),
         ],
-        normal: [a, b].map(|body| body.pose.rotation.inverse() * normal),
+        normal: [a, b].both(|body| body.pose.rotation.inverse() * normal),
         slip,
     }
 }

@@ -13,6 +13,7 @@ use crate::settings::{
     ActiveSettings, AnchorRule, Classifier, PhysicsThreads, SolverSettings, StabilizationSettings,
     StepTime,
 };
+use crate::solver::Both;
 use crate::solver::Slip;
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
@@ -74,7 +75,7 @@ pub fn slip(
         let slipped = project(normal, anchor.slip) + last_step();
         return (slipped.length() <= friction.max_error).then_some(slipped);
     }
-    let [x_a, x_b] = [(a, 0), (b, 1)].map(|(body, i)| body.pose.transform_point(anchor.local[i]));
+    let [x_a, x_b] = [(a, 0), (b, 1)].both(|(body, i)| body.pose.transform_point(anchor.local[i]));
     let error = anchor_error(normal, x_a, x_b);
     let parted = normal.dot(x_a - x_b).abs();
     let straight = ops::cos(friction.max_turn);

@@ -9,6 +9,7 @@ use super::order::{IslandOrder, NOWHERE, Order, OrderSlot, Source, number_edges}
 use super::splice::{Edit, Splice};
 use crate::body::BodyState;
 use crate::revision::Revision;
+use crate::solver::sort;
 use smallvec::SmallVec;
 
 /// An island with more changed bodies than this is ordered anew. An edit moves the contacts after it, so many edits cost more than a rebuild.
@@ -34,7 +35,7 @@ impl Order {
         let slots = slots.filter_map(|&slot| Some((from.islands.id(slot)?, slot)));
         self.changed
             .extend(slots.filter(|&(id, _)| may_be_edited(id)));
-        self.changed.sort_unstable();
+        sort::values(&mut self.changed);
         self.changed.dedup();
     }
 

@@ -3,6 +3,7 @@
 use super::{IslandOrder, SolveContext, SolverContact, Splice};
 use crate::body::{BodyState, BodyTable, Velocity};
 use crate::revision::Revision;
+use crate::solver::Both;
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
 use bevy_platform::collections::HashMap;
 use smallvec::SmallVec;
@@ -258,7 +259,7 @@ impl<R: Rows> Island<R> {
     /// Sets the indices of the bodies of joints.
     fn place_joints(&mut self, local: &[u32]) {
         for (joint, slots) in self.joints.iter_mut().zip(&self.joint_slots) {
-            joint.bodies = slots.map(|slot| match local.get(slot as usize) {
+            joint.bodies = slots.both(|slot| match local.get(slot as usize) {
                 Some(&local) if local != u32::MAX => local,
                 _ => self.copy_indices[&slot],
             });

@@ -4,11 +4,13 @@
 //! of its edge. They are solved in the order of their bodies, those between the same bodies in spawn order.
 
 use super::{Order, ProblemSet, Rows};
-use crate::body::{BodyTable, SpawnOrder};
+use crate::body::BodyTable;
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::joint::{BreakForce, JointEdge, JointForces};
 use crate::revision::Revision;
+use crate::solver::Both;
 use crate::solver::JointConstraint;
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 
 pub(crate) type Joints<'w, 's> = Query<
@@ -65,33 +67,41 @@ impl JointOrder {
         let is_solved = |slot: u32| local(slot).is_some_and(|local| local != u32::MAX);
         // Bodies that are not solved come before the others, in spawn order; the world comes first.
         let rank = |slot: u32| match local(slot).filter(|&local| local != u32::MAX) {
-            Some(local) => (1, u64::from(local)),
+            Some(local) => (1u32, u64::from(local)),
             None => (0, table.get(slot).map_or(0, |body| body.spawn_order.0)),
         };
-        // A link between two solved bodies is taken only once, from the list of A.
-        let bodies = (0..order.numbered().len()).flat_map(|number| &order.of(number).bodies);
-        let links = bodies.flat_map(|body| {
-            let links = graph.links_of(body.slot);
-            links
-                .filter(|link| link.kind == EdgeKind::Joint)
-                .filter(move |link| link.slots[0] == body.slot || !is_solved(link.slots[0]))
+        let mut slots: Vec<(_, JointSlot)> = Vec::new();
+        for number in 0..order.numbered().len() {
+            for body in &order.of(number).bodies {
+                for link in graph.links_of(body.slot) {
+                    // A link between two solved bodies is taken only once, from the list of A.
+                    let [a, b] = link.slots;
+                    if link.kind != EdgeKind::Joint || a != body.slot && is_solved(a) {
+                        continue;
+                    }
+                    let solved = if is_solved(a) { a } else { b };
+                    let (Ok((edge, ..)), Some(island)) =
+                        (joints.get(link.pair), islands.of(solved))
+                    else {
+                        continue;
+                    };
+                    let island = island as u32;
+                    let [a, b] = link.slots.both(rank);
+                    let slot = JointSlot {
+                        island,
+                        joint: link.pair,
+                        edge: link.edge,
+                    };
+                    slots.push(((island, a.max(b), a.min(b), edge.order), slot));
+                }
+            }
+        }
+        // The last sort decides, and the others between equals.
+        sort::by_key(&mut slots, |&((.., order), slot)| (order, slot.edge));
+        sort::by_key(&mut slots, |&((.., lower, _), _)| lower);
+        sort::by_key(&mut slots, |&((island, higher, ..), _)| {
+            (island, higher.0, higher.1)
         });
-        let mut slots: Vec<(_, JointSlot)> = links
-            .filter_map(|link| {
-                let (edge, ..) = joints.get(link.pair).ok()?;
-                let solved = link.slots.into_iter().find(|&slot| is_solved(slot))?;
-                let island = islands.of(solved)? as u32;
-                let [a, b] = link.slots.map(rank);
-                let key: (u32, _, _, SpawnOrder) = (island, a.max(b), a.min(b), edge.order);
-                let slot = JointSlot {
-                    island,
-                    joint: link.pair,
-                    edge: link.edge,
-                };
-                Some((key, slot))
-            })
-            .collect();
-        slots.sort_unstable_by_key(|&(key, slot)| (key, slot.edge));
         self.slots.extend(slots.into_iter().map(|(_, slot)| slot));
     }
 }

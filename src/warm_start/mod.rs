@@ -30,9 +30,10 @@ use crate::grab::{Grab, GrabForce};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::profile::{Profile, SolvePart};
 use crate::settings::{
-    Gravity, Method, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits,
+    Columns, Gravity, Method, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
 };
+use crate::solver::sort;
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -45,7 +46,6 @@ pub(crate) use patches::PatchRows;
 pub(crate) use points::PointRows;
 pub(crate) use problems::{GrabbedBody, ProblemSet};
 pub use problems::{IslandProblem, IslandProblems};
-use rayon::prelude::*;
 pub(crate) use splice::Splice;
 
 /// The settings and the time with which islands are gathered and solved.
@@ -88,6 +88,9 @@ pub(crate) const LARGE: usize = 8;
 
 /// Number of islands whose bodies one thread gathers at a time, at least.
 const SHARE: usize = 8;
+
+/// Number of parts into which islands are divided when several threads gather their contacts.
+const SHARES: usize = 64;
 
 /// The columns of pairs that are gathered and stored.
 #[derive(SystemParam, Debug)]
@@ -205,8 +208,7 @@ impl WarmStart<'_> {
         let bodies = order.bodies();
         match islands.len() > 1 && threads.runs_in_parallel(bodies) {
             true => threads.run(bodies, || {
-                let islands = islands.par_iter_mut().enumerate();
-                islands.with_min_len(SHARE).for_each(gather);
+                (0..islands.len(), &mut **islands).share(SHARE, &gather);
             }),
             false => islands.iter_mut().enumerate().for_each(gather),
         }
@@ -236,7 +238,7 @@ impl WarmStart<'_> {
                 Some((held, grab.constraint(local, body, force)))
             })
             .collect();
-        grabs.sort_unstable_by_key(|(held, _)| (held.island, held.local));
+        sort::by_key(&mut grabs, |(held, _)| (held.island, held.local));
         for (body, grab) in grabs {
             islands[body.island].grabs.push(grab);
             held.push(body);
@@ -263,10 +265,12 @@ impl WarmStart<'_> {
         });
         let threads = &self.context.threads;
         if many && threads.runs_in_parallel(points) {
-            let parts: Vec<_> = parts.collect();
-            let parts = parts.into_par_iter();
+            let mut parts: Vec<_> = parts.collect();
+            let share = parts.len() / SHARES;
             threads.run(points, || {
-                parts.for_each(|(island, contacts)| work(island, contacts));
+                (&mut *parts,).share(share.max(1), &|((island, contacts),)| {
+                    work(island, contacts)
+                });
             });
         } else {
             parts.for_each(|(island, contacts)| work(island, contacts));

@@ -14,6 +14,8 @@ use crate::contact::{ContactImpulses, ContactPair, Manifold, Part, revise_edited
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::revision::Revision;
 use crate::settings::PhysicsThreads;
+use crate::solver::join::join;
+use crate::solver::sort;
 use bevy_ecs::change_detection::ContiguousMut;
 use bevy_ecs::entity::Entity;
 use smallvec::SmallVec;
@@ -252,7 +254,7 @@ impl Order {
                 self.ranked.extend(members.filter_map(|&slot| rank(slot)));
             }
         }
-        self.ranked.sort_by_key(|&(rank, _)| rank);
+        sort::by_key(&mut self.ranked, |&(rank, _)| rank);
         island.bodies.clear();
         for (local, &(_, member)) in (0..).zip(&self.ranked) {
             self.local[member.slot as usize] = local;
@@ -291,7 +293,7 @@ impl Order {
             };
             (rank < (MOVES | u64::from(higher))).then_some((rank, slot))
         }));
-        self.lower.sort_unstable_by_key(|&(rank, _)| rank);
+        sort::by_key(&mut self.lower, |&(rank, _)| rank);
     }
 
     /// The identities of islands, by number.
@@ -563,8 +565,9 @@ impl Columns<'_> {
             manifolds: other_manifolds,
             impulses: other_impulses,
         };
-        let (one, other) = rayon::join(|| one.share(store), || other.share(store));
-        one + other
+        let (mut found, mut others) = (0, 0);
+        join(|| found = one.share(store), || others = other.share(store));
+        found + others
     }
 }
 

@@ -1,9 +1,9 @@
 //! The contacts of an island for point solvers, from manifolds, targets and the impulses of the last step.
 
 use super::{Rows, SolveContext, SolverContact, Splice};
+use crate::settings::Columns;
 use crate::solver::{Body, PatchFrame, PointConstraint, PointInput};
 use glam::Vec3;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Number of contacts that one thread gathers at a time.
@@ -53,13 +53,14 @@ impl Rows for PointRows {
             };
         let threads = &*context.threads;
         if threads.runs_in_parallel(contacts.len()) {
-            let shares = contacts.par_chunks(SHARE).zip(ends.par_chunks(SHARE));
-            let constraints = shares.flat_map_iter(|(contacts, ends)| {
-                let mut constraints = Vec::new();
-                gather(contacts, ends, &mut constraints);
-                constraints
+            let shares = contacts.chunks(SHARE).zip(ends.chunks(SHARE));
+            let mut shares: Vec<_> = shares.map(|share| (share, Vec::new())).collect();
+            threads.run(ends.len(), || {
+                (&mut *shares,).share(1, &|(((contacts, ends), to),)| gather(contacts, ends, to));
             });
-            threads.run(ends.len(), || self.constraints.par_extend(constraints));
+            for (_, mut constraints) in shares {
+                self.constraints.append(&mut constraints);
+            }
         } else {
             gather(contacts, ends, &mut self.constraints);
         }

@@ -1,5 +1,7 @@
 //! A list of items sorted by the body to which they belong.
 
+use crate::Both;
+
 /// Items sorted by body; those of a body keep their order.
 #[derive(Debug)]
 pub(super) struct ByBody<T> {
@@ -48,7 +50,7 @@ impl<T: Clone + Default> ByBody<T> {
 
     /// The items of a body.
     pub fn of(&self, body: u32) -> &[T] {
-        let [first, end] = [0, 1].map(|next| self.starts[body as usize + next] as usize);
+        let [first, end] = [0, 1].both(|next| self.starts[body as usize + next] as usize);
         &self.items[first..end]
     }
 }

@@ -10,6 +10,7 @@ use super::Body;
 use super::body::trace;
 use super::lanes::State;
 use super::walls::{self, Wall};
+use crate::Both;
 use glam::{Mat3, Vec3, Vec4};
 use std::cell::Cell;
 
@@ -92,15 +93,15 @@ impl ActiveGrab {
         }
         let eases = [body.inverse_mass, trace(&inertia) / 3.0];
         let strengths = [grab.max_force, grab.max_torque];
-        let [reach, spin] = [(response, grab.axes[0]), (inertia, grab.axes[1])].map(within);
+        let [reach, spin] = [(response, grab.axes[0]), (inertia, grab.axes[1])].both(within);
         let mut held = Self {
             grab: *grab,
             h,
             time: grab.response.max(h),
             fastest_turns: [f32::INFINITY; 2],
             wanted: [Vec3::ZERO; 2],
-            masses: [(reach, grab.axes[0]), (spin, grab.axes[1])].map(inverse_within),
-            least: [reach, spin].map(|w| trace(&w).max(f32::MIN_POSITIVE).recip()),
+            masses: [(reach, grab.axes[0]), (spin, grab.axes[1])].both(inverse_within),
+            least: [reach, spin].both(|w| trace(&w).max(f32::MIN_POSITIVE).recip()),
             inverse_mass,
             inverse_inertia: inertia,
             braking: std::array::from_fn(|i| (2.0 * BRAKES * strengths[i] * eases[i]).sqrt()),

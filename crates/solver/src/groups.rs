@@ -1,5 +1,7 @@
 //! Groups of bodies that are linked with each other, directly or through others.
 
+use crate::Both;
+
 /// A union–find over bodies.
 #[derive(Default)]
 pub(super) struct Groups {
@@ -26,7 +28,7 @@ impl Groups {
 
     /// Merges the groups of two bodies.
     pub fn link(&mut self, bodies: [u32; 2]) {
-        let [a, b] = bodies.map(|body| self.first_of(body));
+        let [a, b] = bodies.both(|body| self.first_of(body));
         self.parents[a.max(b) as usize] = a.min(b);
     }
 }

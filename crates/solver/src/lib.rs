@@ -15,9 +15,12 @@
 
 mod batches;
 mod body;
+mod both;
 mod by_body;
 mod grab;
 mod groups;
+#[doc(hidden)]
+pub mod join;
 mod joint;
 mod lanes;
 pub mod patches;
@@ -25,10 +28,14 @@ pub mod points;
 mod report;
 pub mod revision;
 mod rounds;
+#[doc(hidden)]
+pub mod sort;
 mod walls;
 mod width;
 
 pub use body::Body;
+#[doc(hidden)]
+pub use both::Both;
 pub use grab::GrabConstraint;
 pub use joint::{
     COORDINATES, JointAxis, JointConstraint, JointMotor, MortarFailure, Section, Utilization,

@@ -15,6 +15,8 @@
 
 use super::Body;
 use super::lanes::State;
+use crate::Both;
+use crate::sort;
 use std::cell::Cell;
 
 /// Number of contacts in a round, at most.
@@ -69,7 +71,7 @@ impl Rounds {
         let mut next = vec![(0, 0); crowded.len()];
         let seats = pairs.map(|pair| {
             let light = heavy(pair);
-            pair.map(|body| {
+            pair.both(|body| {
                 let number = crowded.binary_search(&body).ok()?;
                 let (round, seat) = &mut next[number];
                 let alone = light != Some(body);
@@ -145,7 +147,7 @@ impl Rounds {
             }
         }
         ends.extend((0..).zip(current).map(|(body, last)| end(body, last)));
-        ends.sort_by_key(|&(block, _)| block);
+        sort::by_key(&mut ends, |&(block, _)| block);
         let starts = (0..=count).map(|block| ends.partition_point(|end| end.0 < block) as u32);
         RoundEnds {
             starts: starts.collect(),

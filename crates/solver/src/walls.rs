@@ -7,6 +7,7 @@
 use super::by_body::ByBody;
 use super::lanes::State;
 use super::{Body, PatchProblem, PointConstraint};
+use crate::Both;
 use glam::{Vec3, Vec4};
 use std::cell::Cell;
 
@@ -50,7 +51,7 @@ impl Wall {
     /// Updates the allowed velocity in a substep of `h` s, from the motions of bodies since detection. Contacts correct no faster than
     /// `fastest`, m/s.
     pub fn aim(&mut self, body: u32, motions: &[Cell<State>], h: f32, fastest: f32) {
-        let [a, b] = [(body, self.arms[0]), (self.other, self.arms[1])].map(|(body, arm)| {
+        let [a, b] = [(body, self.arms[0]), (self.other, self.arms[1])].both(|(body, arm)| {
             let [moved, turned] = motions[body as usize].get().map(Vec4::truncate);
             moved + turned.cross(arm)
         });
@@ -107,7 +108,7 @@ pub(super) fn project(
 /// The contacts of each body, for contacts between these pairs.
 pub(super) fn by_body(bodies: usize, pairs: impl Iterator<Item = [u32; 2]> + Clone) -> ByBody<u32> {
     let ends = (0..).zip(pairs);
-    let ends = ends.flat_map(|(contact, bodies)| bodies.map(|body| (body, contact)));
+    let ends = ends.flat_map(|(contact, bodies)| bodies.both(|body| (body, contact)));
     let mut by_body = ByBody::default();
     by_body.fill(bodies, ends);
     by_body
@@ -135,7 +136,7 @@ impl<'a, C: Fn(usize) -> ([u32; 2], Vec3)> Walls<'a, C> {
         for (contact, other, normal) in self.found(body) {
             let patch = &problem.patches[contact];
             for point in &problem.points[patch.range()] {
-                let arms = self.arms(contact, body, patch.arms.map(|arm| arm + point.offset));
+                let arms = self.arms(contact, body, patch.arms.both(|arm| arm + point.offset));
                 walls.push(Wall {
                     separation: point.separation,
                     ..wall(&self.bodies[body as usize], other, normal, arms)

@@ -4,6 +4,7 @@ use super::lattice::Lattice;
 use super::outlines::newell;
 use super::{Edge, Face, Polyhedron};
 use crate::collider::ColliderError;
+use crate::solver::sort;
 use glam::{DVec3, Vec3};
 
 /// Tolerance for a corner outside the plane of a face, as a multiple of the lattice's slack. It is larger than 1 because a plane was fitted to
@@ -123,7 +124,10 @@ fn edges(faces: &[Face], corners: &[u16]) -> Option<(Box<[Edge]>, Box<[u16]>)> {
             halves.push((from.min(to), from.max(to), from > to, i as u16, k));
         }
     }
-    halves.sort_unstable();
+    sort::by_key(&mut halves, |&(from, to, back, face, k)| {
+        let edge = u32::from(from) << 16 | u32::from(to);
+        (u64::from(edge) << 1 | u64::from(back), face, k)
+    });
     let mut sides = vec![0; corners.len()];
     let mut edges = Vec::with_capacity(halves.len() / 2);
     for pair in halves.chunks(2) {
@@ -147,7 +151,7 @@ fn around(faces: &[Face], corners: &[u16], points: usize) -> (Box<[u16]>, Box<[u
     for (i, face) in faces.iter().enumerate() {
         pairs.extend(corners[face.range()].iter().map(|&point| (point, i as u16)));
     }
-    pairs.sort_unstable();
+    sort::values(&mut pairs);
     let begin = |point: usize| pairs.partition_point(|pair| usize::from(pair.0) < point) as u32;
     let first = (0..=points).map(begin).collect();
     (pairs.iter().map(|pair| pair.1).collect(), first)

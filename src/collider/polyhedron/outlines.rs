@@ -1,6 +1,7 @@
 //! Merges the triangles of a hull into faces: triangles that lie in one plane up to rounding become one face with one outline.
 
 use super::quickhull::Facet;
+use crate::solver::sort;
 use glam::{DVec3, I64Vec3};
 
 const NONE: u32 = u32::MAX;
@@ -47,7 +48,7 @@ impl Plane {
 pub(super) fn outlines(points: &[I64Vec3], facets: &[Facet], slack: f64) -> Vec<Vec<u32>> {
     let area = |i: &u32| facets[*i as usize].normal.as_dvec3().length_squared();
     let mut by_area: Vec<u32> = (0..facets.len() as u32).collect();
-    by_area.sort_by(|i, j| area(j).total_cmp(&area(i)));
+    sort::by_key(&mut by_area, |i| -area(i));
     let mut face_of = vec![NONE; facets.len()];
     let mut outlines = Vec::new();
     for seed in by_area {

@@ -16,6 +16,7 @@ use super::cuboid;
 use super::placement::Placement;
 use super::solid::Solid;
 use crate::contact::cache::Axis;
+use crate::solver::Both;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -279,12 +280,12 @@ struct Arc {
 impl Arc {
     fn of<S: Solid>(solid: &S, edge: u16) -> Self {
         let ridge = solid.edge(edge);
-        let [from, to] = ridge.ends.map(|i| solid.point(i));
+        let [from, to] = ridge.ends.both(|i| solid.point(i));
         Self {
             edge,
             on: from,
             along: to - from,
-            normals: ridge.faces.map(|face| solid.plane(face).0),
+            normals: ridge.faces.both(|face| solid.plane(face).0),
         }
     }
 
@@ -294,13 +295,13 @@ impl Arc {
             edge: self.edge,
             on: place.point(self.on),
             along: place.direction(self.along),
-            normals: self.normals.map(|normal| -place.direction(normal)),
+            normals: self.normals.both(|normal| -place.direction(normal)),
         }
     }
 
     /// Upper bound of `normal · way` over the normals of the arc.
     fn max_along(&self, way: DVec3) -> f64 {
-        let [x, y] = self.normals.map(|normal| normal.dot(way));
+        let [x, y] = self.normals.both(|normal| normal.dot(way));
         let cos = self.normals[0].dot(self.normals[1]);
         if y > cos * x && x > cos * y && cos.abs() < 1.0 {
             // The maximum is between the two.
@@ -316,11 +317,11 @@ impl Arc {
         let [c, d] = other.normals;
         // Two arcs cross if the ends of each are on different sides of the other's great circle, and both arcs are on the same half of the sphere. An
         // end on the circle, up to rounding, counts as on either side.
-        let [c_side, d_side] = [c, d].map(|normal| normal.dot(self.along));
+        let [c_side, d_side] = [c, d].both(|normal| normal.dot(self.along));
         if c_side * d_side >= ROUNDING * self.along.length_squared() {
             return None;
         }
-        let [a_side, b_side] = [a, b].map(|normal| normal.dot(other.along));
+        let [a_side, b_side] = [a, b].both(|normal| normal.dot(other.along));
         if a_side * b_side >= ROUNDING * other.along.length_squared() {
             return None;
         }

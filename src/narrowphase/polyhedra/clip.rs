@@ -7,6 +7,7 @@
 
 use super::solid::{Side, Solid};
 use crate::contact::FeatureId;
+use crate::solver::Both;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -85,7 +86,9 @@ type Polygon = SmallVec<[Link; 16]>;
 pub struct Space {
     /// All corners created so far.
     corners: SmallVec<[Clipped; 24]>,
-    polygons: [Polygon; 2],
+    polygon: Polygon,
+    /// The polygon after the current side has clipped it.
+    next: Polygon,
 }
 
 /// A face's outline: each corner, with the numbers of the corner and of the edge that follows it.
@@ -162,76 +165,120 @@ pub fn clip(
     slack: f64,
     space: &mut Space,
 ) -> impl Iterator<Item = &Clipped> {
-    let Space { corners, polygons } = space;
-    let [polygon, next] = polygons;
-    let (mut polygon, mut next) = (polygon, next);
-    corners.clear();
-    polygon.clear();
-    for (at, point, edge) in incident {
-        polygon.push(Link::new(corners.len(), Owner::Incident(edge)));
-        corners.push(Clipped {
-            at,
-            origin: Origin::Incident(point),
-        });
+    space.begin();
+    for corner in incident {
+        space.add(corner);
     }
     let mut sides = reference.into_iter();
     let first = sides.next().unwrap_or_default();
     let (mut from, mut next_from) = (first, sides.next());
     for i in 0.. {
         let (is_last, to) = (next_from.is_none(), next_from.unwrap_or(first));
-        // Its length is that of the side, so depths and slack are multiplied by that length, too.
-        let inward = normal.cross(to.0 - from.0);
-        let start = inward.dot(from.0);
-        let slack = slack * inward.length();
-        let depth = |at: DVec3| inward.dot(at) - start;
-        // The corner between this side and another edge. The last side meets the first side at the first corner.
-        let meeting = |other: Owner| match other {
-            Owner::Incident(edge) => Origin::Edges(from.2, edge),
-            Owner::Reference(0) if is_last => Origin::Reference(to.1),
-            Owner::Reference(_) => Origin::Reference(from.1),
+        let side = ClippingSide {
+            i,
+            ends: [from, to],
+            is_last,
         };
-        // Most sides clip nothing.
-        if polygon
-            .iter()
-            .any(|link| depth(corners[link.corner()].at) < -slack)
-        {
-            let own = Owner::Reference(i);
-            next.clear();
-            let Some(&last) = polygon.last() else {
-                break;
-            };
-            let (mut link, mut here) = (last, depth(corners[last.corner()].at));
-            for &after in polygon.iter() {
-                let there = depth(corners[after.corner()].at);
-                let mut cross = |side| {
-                    let [from, to] = [link, after].map(|link| corners[link.corner()].at);
-                    corners.push(Clipped {
-                        at: from.lerp(to, here / (here - there)),
-                        origin: meeting(link.side()),
-                    });
-                    Link::new(corners.len() - 1, side)
-                };
-                match (here >= -slack, there >= -slack) {
-                    (true, true) => next.push(link),
-                    (true, false) if here > slack => {
-                        next.push(link);
-                        next.push(cross(own));
-                    }
-                    (true, false) => next.push(Link::new(link.corner(), own)),
-                    (false, true) if there > slack => next.push(cross(link.side())),
-                    (false, _) => {}
-                }
-                (link, here) = (after, there);
-            }
-            std::mem::swap(&mut polygon, &mut next);
-        }
-        if is_last {
+        space.clip(&side, normal, slack);
+        if is_last || space.polygon.is_empty() {
             break;
         }
         (from, next_from) = (to, sides.next());
     }
-    drop_duplicates(polygon, corners, slack);
+    drop_duplicates(&mut space.polygon, &space.corners, slack);
+    let Space {
+        corners, polygon, ..
+    } = space;
     polygon.iter().map(|link| &corners[link.corner()])
+}
+
+/// A side of the reference outline.
+struct ClippingSide {
+    /// Its index in the outline.
+    i: u16,
+    /// Its two corners: position, number, and number of the edge that follows.
+    ends: [(DVec3, u16, u16); 2],
+    is_last: bool,
+}
+
+impl ClippingSide {
+    /// The features of the corner between this side and another edge. The last side meets the first side at the first corner.
+    fn meeting(&self, other: Owner) -> Origin {
+        let [from, to] = &self.ends;
+        match other {
+            Owner::Incident(edge) => Origin::Edges(from.2, edge),
+            Owner::Reference(0) if self.is_last => Origin::Reference(to.1),
+            Owner::Reference(_) => Origin::Reference(from.1),
+        }
+    }
+}
+
+impl Space {
+    fn begin(&mut self) {
+        self.corners.clear();
+        self.polygon.clear();
+    }
+
+    /// Adds a corner of the incident face: position, number, and number of the edge that follows.
+    fn add(&mut self, (at, point, edge): (DVec3, u16, u16)) {
+        self.polygon
+            .push(Link::new(self.corners.len(), Owner::Incident(edge)));
+        self.corners.push(Clipped {
+            at,
+            origin: Origin::Incident(point),
+        });
+    }
+
+    /// Clips the polygon by one side.
+    fn clip(&mut self, side: &ClippingSide, normal: DVec3, slack: f64) {
+        let Self {
+            corners,
+            polygon,
+            next,
+        } = self;
+        let [from, to] = side.ends.both(|end| end.0);
+        // Its length is that of the side, so depths and slack are multiplied by that length, too.
+        let inward = normal.cross(to - from);
+        let start = inward.dot(from);
+        let slack = slack * inward.length();
+        let depth = |at: DVec3| inward.dot(at) - start;
+        // Most sides clip nothing.
+        if !polygon
+            .iter()
+            .any(|link| depth(corners[link.corner()].at) < -slack)
+        {
+            return;
+        }
+        let own = Owner::Reference(side.i);
+        next.clear();
+        let Some(&last) = polygon.last() else {
+            return;
+        };
+        let (mut link, mut here) = (last, depth(corners[last.corner()].at));
+        for &after in polygon.iter() {
+            let there = depth(corners[after.corner()].at);
+            let mut cross = |owner| {
+                let [from, to] = [link, after].both(|link| corners[link.corner()].at);
+                corners.push(Clipped {
+                    at: from.lerp(to, here / (here - there)),
+                    origin: side.meeting(link.side()),
+                });
+                Link::new(corners.len() - 1, owner)
+            };
+            match (here >= -slack, there >= -slack) {
+                (true, true) => next.push(link),
+                (true, false) if here > slack => {
+                    next.push(link);
+                    next.push(cross(own));
+                }
+                (true, false) => next.push(Link::new(link.corner(), own)),
+                (false, true) if there > slack => next.push(cross(link.side())),
+                (false, _) => {}
+            }
+            (link, here) = (after, there);
+        }
+        std::mem::swap(polygon, next);
+    }
 }
 
 /// Removes corners that coincide with the next corner. Corners of a face are kept in preference to crossings of edges.
@@ -239,7 +286,7 @@ fn drop_duplicates(polygon: &mut Polygon, corners: &[Clipped], slack: f64) {
     let mut i = 0;
     while i < polygon.len() && polygon.len() > 1 {
         let next = if i + 1 < polygon.len() { i + 1 } else { 0 };
-        let [one, other] = [i, next].map(|i| &corners[polygon[i].corner()]);
+        let [one, other] = [i, next].both(|i| &corners[polygon[i].corner()]);
         if one.at.distance_squared(other.at) > slack * slack {
             i += 1;
         } else if matches!(one.origin, Origin::Edges(..)) {

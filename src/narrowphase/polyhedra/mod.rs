@@ -27,6 +27,7 @@ pub use plane::meet_plane;
 pub use solid::{Ridge, Side, Solid};
 pub use triangle::Triangle;
 
+use crate::solver::Both;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -54,7 +55,7 @@ impl Contact {
             return 0.0;
         };
         let pairs = self.points.windows(2).map(|pair| {
-            let [x, y] = [&pair[0], &pair[1]].map(|point| point.position - first.position);
+            let [x, y] = [&pair[0], &pair[1]].both(|point| point.position - first.position);
             self.normal.dot(x.cross(y)).abs()
         });
         pairs.sum()
@@ -196,7 +197,7 @@ pub fn touch_lengthwise<A: Solid, B: Solid>(
                 reach,
             };
             if let Some(below) = longest_facing(b, place.back(-normal)) {
-                above.points_on(a, (b, below), place, contact, |origin| origin.feature(true));
+                above.points_on(a, (b, below), place, contact, true);
             }
         }
         Axis::FaceOfB(face) if long[0] => {
@@ -208,9 +209,7 @@ pub fn touch_lengthwise<A: Solid, B: Solid>(
             };
             let back = place.inverse();
             if let Some(below) = longest_facing(a, normal) {
-                above.points_on(b, (a, below), &back, contact, |origin| {
-                    origin.feature(false)
-                });
+                above.points_on(b, (a, below), &back, contact, false);
             }
             for point in &mut contact.points {
                 point.position = place.point(point.position);
@@ -278,7 +277,7 @@ fn intersection<A: Solid, B: Solid>(
                 slack,
                 reach,
             };
-            above.points(a, b, place, contact, |origin| origin.feature(true));
+            above.points(a, b, place, contact, true);
         }
         Axis::FaceOfB(face) => {
             let above = Above {
@@ -288,7 +287,7 @@ fn intersection<A: Solid, B: Solid>(
                 reach,
             };
             let back = place.inverse();
-            above.points(b, a, &back, contact, |origin| origin.feature(false));
+            above.points(b, a, &back, contact, false);
             for point in &mut contact.points {
                 point.position = place.point(point.position);
             }
@@ -320,17 +319,17 @@ struct Above {
 }
 
 impl Above {
-    /// Computes the contact points, in the frame of the reference. `feature` returns the identity of a corner's features.
+    /// Computes the contact points, in the frame of the reference. `by_a`: whether the reference is A.
     fn points<R: Solid, I: Solid>(
         &self,
         reference: &R,
         incident: &I,
         place: &Placement,
         contact: &mut Contact,
-        feature: impl Fn(Origin) -> FeatureId,
+        by_a: bool,
     ) {
         let below = facing(incident, place.back(-self.normal));
-        self.points_on(reference, (incident, below), place, contact, feature);
+        self.points_on(reference, (incident, below), place, contact, by_a);
     }
 
     /// As [`points`](Self::points), with this face of the incident solid.
@@ -340,7 +339,7 @@ impl Above {
         (incident, below): (&I, u16),
         place: &Placement,
         contact: &mut Contact,
-        feature: impl Fn(Origin) -> FeatureId,
+        by_a: bool,
     ) {
         let below =
             outline(incident, below).map(|(at, point, edge)| (place.point(at), point, edge));
@@ -350,7 +349,7 @@ impl Above {
         let Contact { points, space, .. } = contact;
         for clipped in clip(sides, below, self.normal, self.slack, space) {
             let distance = (out.dot(clipped.at) - offset) * slant;
-            let feature = feature(clipped.origin);
+            let feature = clipped.origin.feature(by_a);
             points.extend(Point::above(
                 clipped.at,
                 self.normal,
@@ -371,8 +370,8 @@ fn crossing<A: Solid, B: Solid>(
     of_a: u16,
     of_b: u16,
 ) -> (Point, bool) {
-    let [p, p_end] = a.edge(of_a).ends.map(|i| a.point(i));
-    let [q, q_end] = b.edge(of_b).ends.map(|i| place.point(b.point(i)));
+    let [p, p_end] = a.edge(of_a).ends.both(|i| a.point(i));
+    let [q, q_end] = b.edge(of_b).ends.both(|i| place.point(b.point(i)));
     let (u, v, w) = (p_end - p, q_end - q, q - p);
     // The point of each that is nearest to the line of the other.
     let (uu, uv, vv) = (u.length_squared(), u.dot(v), v.length_squared());
@@ -387,7 +386,7 @@ fn crossing<A: Solid, B: Solid>(
     let crosses = on(s, uu.sqrt()) && on(t, vv.sqrt());
     let [s, t] = match crosses {
         true => [s, t],
-        false => [s, t].map(|share| share.clamp(0.0, 1.0)),
+        false => [s, t].both(|share| share.clamp(0.0, 1.0)),
     };
     let point = Point {
         position: 0.5 * (p + s * u + q + t * v),

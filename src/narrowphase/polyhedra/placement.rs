@@ -1,5 +1,6 @@
 //! The pose of one solid in the frame of another.
 
+use crate::solver::Both;
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 /// The pose of B in the frame of A.
@@ -13,7 +14,7 @@ pub struct Placement {
 impl Placement {
     /// The pose of B in the frame of A, from the position (m) and rotation of both in a common frame.
     pub fn between(a: (Vec3, Quat), b: (Vec3, Quat)) -> Self {
-        let [to_a, of_b] = [a.1, b.1].map(|rotation| rotation.as_dquat().normalize());
+        let [to_a, of_b] = [a.1, b.1].both(|rotation| rotation.as_dquat().normalize());
         let to_a = to_a.inverse();
         Self::new(to_a * (b.0.as_dvec3() - a.0.as_dvec3()), to_a * of_b)
     }

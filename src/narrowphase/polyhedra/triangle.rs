@@ -4,6 +4,7 @@
 //! belong to the front, the other three to the back.
 
 use super::solid::{Ridge, Side, Solid};
+use crate::solver::Both;
 use glam::{DVec3, Vec3};
 
 /// A triangle as a solid.
@@ -68,7 +69,7 @@ impl Solid for Triangle {
             FRONT => self.normal,
             BACK => -self.normal,
             side => {
-                let [from, to] = [side - 2, (side - 1) % 3].map(|i| self.point(i));
+                let [from, to] = [side - 2, (side - 1) % 3].both(|i| self.point(i));
                 (to - from).cross(self.normal).normalize()
             }
         };

@@ -1,6 +1,7 @@
 //! The face on which a body lies: a flat face, a round end, the line of a round side, or an edge.
 
 use crate::narrowphase::polyhedra::{Outline, Placement, Solid, facing, outline};
+use crate::solver::Both;
 use glam::DVec3;
 
 /// A body lies on a face if the cosine of the angle between the face and the plane of contact is at least this (8.6°).
@@ -27,7 +28,7 @@ impl Face {
         if normal.dot(direction) >= LEVEL {
             return Some(Self::new(outline(solid, face).collect(), normal));
         }
-        let ends = |edge: u16| solid.edge(edge).ends.map(|i| solid.point(i));
+        let ends = |edge: u16| solid.edge(edge).ends.both(|i| solid.point(i));
         let reach = |edge: &u16| {
             let [from, to] = ends(*edge);
             direction.dot(from).min(direction.dot(to))

@@ -6,6 +6,7 @@
 
 use super::face::{Face, LEVEL};
 use crate::narrowphase::polyhedra::Outline;
+use crate::solver::Both;
 use glam::DVec3;
 use parry3d::shape::{Shape, TypedShape};
 
@@ -106,7 +107,7 @@ impl Frustum {
         let side = self.side(direction).unwrap_or_default();
         if side.dot(direction) >= LEVEL {
             let line = self.line(side.with_y(0.0).normalize());
-            let [low, high] = line.map(|at| at + self.border * side);
+            let [low, high] = line.both(|at| at + self.border * side);
             let outline = [(low, SIDE, SIDE), (high, SIDE + 1, SIDE)];
             return Some(Face::new(outline.into_iter().collect(), side));
         }

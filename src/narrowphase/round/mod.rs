@@ -12,6 +12,7 @@ mod seams;
 mod simplify;
 
 use super::polyhedra::{Contact, FeatureId, Point, SLACK, Search, clip};
+use crate::solver::Both;
 use face::{Face, LEVEL};
 pub use frustum::Frustum;
 use glam::DVec3;
@@ -65,7 +66,7 @@ fn intersection(
     reach: f64,
     contact: &mut Contact,
 ) {
-    let by_a = match [&of_a, &of_b].map(Face::is_line) {
+    let by_a = match [&of_a, &of_b].both(Face::is_line) {
         [false, true] => true,
         [true, false] => false,
         _ => of_a.normal.dot(normal) >= of_b.normal.dot(-normal),

@@ -2,6 +2,7 @@
 
 use super::JointConstraint;
 use super::rows::{SWING, is_angular};
+use crate::Both;
 use bevy_math::ops;
 use glam::{Quat, Vec3};
 
@@ -134,10 +135,10 @@ const NONE: f32 = 1e-6;
 impl Geometry {
     #[inline]
     pub fn new(joint: &JointConstraint, placements: [Placement; 2]) -> Self {
-        let turned = [0, 1].map(|side| placements[side].turned * joint.arms[side]);
-        let way = [0, 1].map(|side| placements[side].moved + (turned[side] - joint.arms[side]));
+        let turned = [0, 1].both(|side| placements[side].turned * joint.arms[side]);
+        let way = [0, 1].both(|side| placements[side].moved + (turned[side] - joint.arms[side]));
         let gap = joint.gap + (way[1] - way[0]);
-        let [frame, other] = [0, 1].map(|side| placements[side].turned * joint.frames[side]);
+        let [frame, other] = [0, 1].both(|side| placements[side].turned * joint.frames[side]);
         let relative = frame.inverse() * other;
         let mut turns = (3..6).filter(|&axis| !joint.axes[axis].is_locked());
         let hinge = match (turns.next(), turns.next()) {
@@ -277,7 +278,7 @@ impl Geometry {
     pub fn jacobian(&self, coordinate: usize, direction: Vec3) -> (Vec3, [Vec3; 2]) {
         match coordinate {
             _ if is_angular(coordinate) => (Vec3::ZERO, [direction; 2]),
-            _ => (direction, self.arms.map(|arm| arm.cross(direction))),
+            _ => (direction, self.arms.both(|arm| arm.cross(direction))),
         }
     }
 

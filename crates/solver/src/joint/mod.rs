@@ -11,6 +11,7 @@ mod rows;
 mod section;
 
 use super::Body;
+use crate::Both;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 pub(super) use geometry::{Bend, Geometry, Placement};
@@ -188,7 +189,7 @@ impl JointConstraint {
         for (filtered, mean) in self.filtered.iter_mut().zip(self.mean) {
             *filtered += share * (back * mean - *filtered);
         }
-        self.peak = self.filtered.map(Vec3::length);
+        self.peak = self.filtered.both(Vec3::length);
         self.broke = self
             .section
             .map(|section| section.utilization(self.filtered))

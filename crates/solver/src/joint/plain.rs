@@ -4,6 +4,7 @@
 use super::rows::{Times, is_angular, take_share};
 use super::{Bend, COORDINATES, Geometry, JointConstraint, Law, Part, Placement, rows_of};
 use crate::Body;
+use crate::Both;
 use crate::lanes::State;
 use glam::{Mat3, Vec3, Vec4};
 use std::cell::Cell;
@@ -42,9 +43,9 @@ impl PlainJoint {
         if !joint.acts(bodies) {
             return None;
         }
-        let ends = joint.bodies.map(|body| &bodies[body as usize]);
+        let ends = joint.bodies.both(|body| &bodies[body as usize]);
         let geometry = Geometry::new(joint, [Placement::START; 2]);
-        let bend = geometry.bend(ends.map(|body| [body.linear, body.angular]));
+        let bend = geometry.bend(ends.both(|body| [body.linear, body.angular]));
         let times = Times {
             h,
             left: h,
@@ -78,7 +79,7 @@ impl PlainJoint {
         });
         Some(Self {
             h,
-            inverse: ends.map(|body| (body.inverse_mass * body.free_axes, body.inverse_inertia)),
+            inverse: ends.both(|body| (body.inverse_mass * body.free_axes, body.inverse_inertia)),
             rows: rows.collect(),
             joint: *joint,
         })
@@ -116,11 +117,11 @@ impl PlainJoint {
 
     /// [`relax`](Self::relax) with the velocities of all bodies.
     pub fn visit(&mut self, velocities: &[Cell<State>]) -> f32 {
-        let ends = self.joint.bodies.map(|body| &velocities[body as usize]);
-        let mut found = ends.map(|end| end.get().map(Vec4::truncate));
+        let ends = self.joint.bodies.both(|body| &velocities[body as usize]);
+        let mut found = ends.both(|end| end.get().map(Vec4::truncate));
         let change = self.relax(&mut found);
         for (end, found) in ends.into_iter().zip(found) {
-            end.set(found.map(|velocity| velocity.extend(0.0)));
+            end.set(found.both(|velocity| velocity.extend(0.0)));
         }
         change
     }

@@ -5,7 +5,9 @@
 //! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Friction and arms that turn do not satisfy this, so a bounce that would
 //! gain energy is weakened.
 
+use crate::Both;
 use crate::groups::Groups;
+use crate::sort;
 use crate::{Body, PatchPoint, PatchProblem};
 use glam::{DVec3, Vec3};
 
@@ -42,15 +44,15 @@ pub fn find(problem: &PatchProblem) -> Bounces {
     let mut points = Vec::new();
     let patches = problem.patches.iter().enumerate();
     for (number, patch) in patches.filter(|(_, patch)| patch.restitution > 0.0) {
-        let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
+        let bodies = patch.bodies.both(|body| &problem.bodies[body as usize]);
         for point in patch.range() {
             let PatchPoint {
                 offset, separation, ..
             } = problem.points[point];
-            let arms = patch.arms.map(|arm| arm + offset);
-            let came = approach(bodies.map(|body| body.start), &arms, patch.normal);
+            let arms = patch.arms.both(|arm| arm + offset);
+            let came = approach(bodies.both(|body| body.start), &arms, patch.normal);
             if came < 0.0 {
-                let gained = approach(bodies.map(Body::push), &arms, patch.normal);
+                let gained = approach(bodies.both(Body::push), &arms, patch.normal);
                 let fallen = -2.0 * gained / problem.dt * separation.max(0.0);
                 let leave = patch.restitution * (came * came + fallen).max(0.0).sqrt();
                 // A body that would be back within the step rests.
@@ -95,7 +97,7 @@ impl Row {
     fn speed(&self, bodies: &[Body]) -> f32 {
         let velocities = self
             .bodies
-            .map(|body| [bodies[body].linear, bodies[body].angular]);
+            .both(|body| [bodies[body].linear, bodies[body].angular]);
         approach(velocities, &self.arms, self.normal)
     }
 
@@ -159,20 +161,20 @@ fn group(rows: &mut [Row], bodies: &[Body]) {
     let moves = |body: usize| bodies[body].inverse_mass > 0.0;
     for row in rows.iter() {
         if row.bodies.into_iter().all(moves) {
-            groups.link(row.bodies.map(|body| body as u32));
+            groups.link(row.bodies.both(|body| body as u32));
         }
     }
     for row in rows.iter_mut() {
         let moved = row.bodies.into_iter().find(|&body| moves(body));
         row.group = groups.first_of(moved.unwrap_or(0) as u32);
     }
-    rows.sort_by_key(|row| row.group);
+    sort::by_key(rows, |row| row.group);
 }
 
 /// Bounces one group.
 fn throw(group: &mut [Row], points: &[PatchPoint], bodies: &mut [Body], pushes: &[[Vec3; 2]]) {
     let mut ends: Vec<usize> = group.iter().flat_map(|row| row.bodies).collect();
-    ends.sort_unstable();
+    sort::values(&mut ends);
     ends.dedup();
     let before: Vec<_> = ends
         .iter()
@@ -216,8 +218,8 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<R
             if point.normal <= 0.0 && bounces.is_none() {
                 continue;
             }
-            let bodies = patch.bodies.map(|body| body as usize);
-            let arms = patch.arms.map(|arm| arm + point.offset);
+            let bodies = patch.bodies.both(|body| body as usize);
+            let arms = patch.arms.both(|arm| arm + point.offset);
             let response = |i: usize| problem.bodies[bodies[i]].response(patch.normal, arms[i]);
             let response = response(0) + response(1);
             if response <= 0.0 {
@@ -257,8 +259,8 @@ fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body])
         missing += given * (row.leave - row.speed(bodies));
     }
     let first = &patch[0];
-    let [a, b] = first.bodies.map(|body| &bodies[body]);
-    let masses = [a, b].map(|body| body.inverse_mass_along(first.normal));
+    let [a, b] = first.bodies.both(|body| &bodies[body]);
+    let masses = [a, b].both(|body| body.inverse_mass_along(first.normal));
     let takes = push * push * (masses[0] + masses[1])
         + turns[0].dot(a.inverse_inertia * turns[0])
         + turns[1].dot(b.inverse_inertia * turns[1]);
@@ -287,7 +289,7 @@ fn affordable(
     // E(s) = E(0) + s d + s² q.
     let (mut d, mut q) = (0.0f64, 0.0f64);
     for row in group {
-        let was = row.bodies.map(|body| {
+        let was = row.bodies.both(|body| {
             let end = ends.binary_search(&body).expect("all ends were collected");
             before[end]
         });
@@ -316,7 +318,7 @@ fn spent(body: &Body, now: [Vec3; 2], push: [Vec3; 2]) -> f64 {
         v.dot(x) / body.inverse_mass as f64 + w.dot(inertia * y)
     };
     let [start, now, push, moved] =
-        [body.start, now, push, body.motion.unwrap_or(now)].map(|v| v.map(|v| v.as_dvec3()));
+        [body.start, now, push, body.motion.unwrap_or(now)].map(|v| v.both(|v| v.as_dvec3()));
     0.5 * (product(start, start) - product(now, now)) + product(push, moved)
 }
 

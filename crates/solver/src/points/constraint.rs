@@ -5,6 +5,7 @@
 
 use super::FrictionCone;
 use crate::Body;
+use crate::Both;
 use bevy_math::FloatPow;
 use glam::{Mat3, Vec2, Vec3};
 
@@ -86,7 +87,7 @@ pub struct PatchFrame {
 impl PatchFrame {
     /// The frame of a normal, a unit vector from B to A, between two of the bodies.
     pub fn new(pair: [u32; 2], normal: Vec3, bodies: &[Body]) -> Self {
-        let pair = pair.map(|body| &bodies[body as usize]);
+        let pair = pair.both(|body| &bodies[body as usize]);
         let [t1, t2] = tangents(normal);
         let turned = |i: &Mat3| {
             let (n, first, second) = (*i * normal, *i * t1, *i * t2);
@@ -109,7 +110,7 @@ impl PatchFrame {
                 true => EASE * (pair[0].inverse_mass + pair[1].inverse_mass),
                 false => 0.0,
             },
-            inverse_inertia: pair.map(|body| turned(&body.inverse_inertia)),
+            inverse_inertia: pair.both(|body| turned(&body.inverse_inertia)),
         }
     }
 
@@ -173,7 +174,7 @@ impl PointConstraint {
 
     #[inline]
     fn relative(&self, bodies: &[Body]) -> Vec3 {
-        let [a, b] = self.bodies.map(|i| &bodies[i as usize]);
+        let [a, b] = self.bodies.both(|i| &bodies[i as usize]);
         a.linear - b.linear + a.angular.cross(self.arms[0]) - b.angular.cross(self.arms[1])
     }
 

@@ -81,6 +81,7 @@ use super::lanes::{F32x4, F32xN};
 use super::walls::{self, Walls};
 use super::width::Width;
 use super::{Body, GrabConstraint, JointConstraint, Lanes, SolveReport};
+use crate::Both;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use blocks::{Cone, Disc, Square};
@@ -317,9 +318,9 @@ impl PointProblem<'_> {
             let Some(mut plain) = PlainJoint::new(joint, self.bodies, self.dt) else {
                 continue;
             };
-            let ends = joint.bodies.map(|body| body as usize);
+            let ends = joint.bodies.both(|body| body as usize);
             let mut velocities =
-                ends.map(|end| [self.bodies[end].linear, self.bodies[end].angular]);
+                ends.both(|end| [self.bodies[end].linear, self.bodies[end].angular]);
             change += plain.relax(&mut velocities);
             for (end, velocity) in ends.into_iter().zip(velocities) {
                 [self.bodies[end].linear, self.bodies[end].angular] = velocity;

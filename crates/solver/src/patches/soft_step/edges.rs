@@ -12,6 +12,7 @@
 
 use crate::PatchProblem;
 use crate::batches::Batches;
+use crate::sort;
 use std::ops::Range;
 
 /// Positions in a sweep at which the contacts of each body are visited.
@@ -90,7 +91,7 @@ impl EdgePlaces {
             places.edges.extend(edges);
             places.bodies.extend(bodies);
         }
-        places.groups.sort_by_key(|group| group.block);
+        sort::by_key(&mut places.groups, |group| group.block);
         places
     }
 
@@ -132,8 +133,8 @@ fn groups(edges: &[Vec<u32>]) -> Vec<(Vec<u32>, Vec<u32>)> {
             }
             !shares
         });
-        merged.0.sort_unstable();
-        merged.1.sort_unstable();
+        sort::values(&mut merged.0);
+        sort::values(&mut merged.1);
         merged.1.dedup();
         groups.push(merged);
     }

@@ -18,6 +18,7 @@ use crate::lanes::F32x8;
 use crate::lanes::F32xN;
 use crate::patches::PatchEdit;
 use crate::revision::Revision;
+use crate::sort;
 use crate::{Lanes, PatchProblem};
 
 /// The width of edited blocks: the one of large islands.
@@ -150,7 +151,7 @@ impl<L: F32xN> Island<L> {
             places[patch] = block;
         }
         stale.extend(affected.iter().map(|&patch| places[patch]));
-        stale.sort_unstable();
+        sort::values(&mut stale);
         stale.dedup();
         let neighbours = neighbours(problem);
         for block in stale {

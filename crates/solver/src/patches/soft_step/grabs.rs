@@ -5,6 +5,7 @@ use crate::batches::Batches;
 use crate::by_body::ByBody;
 use crate::grab::ActiveGrab;
 use crate::lanes::State;
+use crate::sort;
 use crate::walls::{self, Walls};
 use crate::{GrabConstraint, PatchProblem};
 use std::cell::Cell;
@@ -34,15 +35,17 @@ impl GrabPlaces {
         self.held.clear();
         self.held.extend(held);
         let moves = |body: &u32| problem.bodies[*body as usize].inverse_mass > 0.0;
-        let edges = self.held.iter().map(|&body| {
-            let patches = self.patches.of(body).iter();
-            let touched = patches.flat_map(|&patch| problem.patches[patch as usize].bodies);
-            let mut bodies: Vec<u32> = touched.chain([body]).filter(moves).collect();
-            bodies.sort_unstable();
+        let mut edges: Vec<Vec<u32>> = Vec::with_capacity(self.held.len());
+        for &body in &self.held {
+            let mut bodies = vec![body];
+            for &patch in self.patches.of(body) {
+                bodies.extend(problem.patches[patch as usize].bodies);
+            }
+            bodies.retain(moves);
+            sort::values(&mut bodies);
             bodies.dedup();
-            bodies
-        });
-        let edges: Vec<Vec<u32>> = edges.collect();
+            edges.push(bodies);
+        }
         self.places = match edges.is_empty() {
             true => EdgePlaces::default(),
             false => EdgePlaces::new(&edges, &Visits::new(batches, problem)),

@@ -1,6 +1,7 @@
 //! Work on blocks that does not depend on their order, on several threads; for the phases before and after the sweeps.
 
 use super::block::{Block, Points};
+use crate::join::join;
 use crate::lanes::F32xN;
 
 /// A part of at most this many blocks is not halved.
@@ -22,7 +23,7 @@ impl<L: F32xN, T: Send> Part<'_, L, T> {
             work(self);
         } else {
             let (one, other) = self.halve();
-            rayon::join(|| one.each(threads, work), || other.each(threads, work));
+            join(|| one.each(threads, work), || other.each(threads, work));
         }
     }
 

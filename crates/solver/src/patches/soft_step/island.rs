@@ -5,6 +5,7 @@ use super::grabs::GrabPlaces;
 use super::joints::Joints;
 use super::kinds::{Kinds, Rigid, Soft};
 use super::pipeline::{self, Pipeline, Work};
+use crate::Both;
 use crate::batches::Batches;
 use crate::grab::ActiveGrab;
 use crate::lanes::{F32xN, Kernel, State, cells};
@@ -217,7 +218,7 @@ impl<L: F32xN> Island<L> {
             before != now
         }));
         self.changed.resize(problem.patches.len(), false);
-        let state = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
+        let state = |body: &Body| body.start.both(|velocity| velocity.extend(0.0));
         self.velocities.clear();
         self.velocities.extend(problem.bodies.iter().map(state));
         let seats = self.batches.rounds().count();
@@ -273,7 +274,7 @@ impl<L: F32xN> Island<L> {
     }
 
     /// Runs all sweeps over blocks that are not skewed. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
-    pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], mut tell: impl FnMut(f32)) {
+    pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], tell: &mut dyn FnMut(f32)) {
         let bytes = self.bytes();
         let pipeline = self.take_pipeline(problem);
         // A sweep down begins where the one before ends, so only sweeps up follow each other.
@@ -283,7 +284,7 @@ impl<L: F32xN> Island<L> {
                 Some((pipeline, shares))
             });
             if let Some((pipeline, shares)) = shares {
-                pipeline.run(passes, self.work(), shares, &mut tell);
+                pipeline.run(passes, self.work(), shares, tell);
             } else {
                 passes.iter().for_each(|pass| tell(self.sweep_alone(pass)));
             }
@@ -322,7 +323,7 @@ impl<L: F32xN> Island<L> {
     /// Visits each grab once. Returns Σ W Δλ², J.
     pub fn visit_grabs(&mut self) -> f32 {
         let mut change = 0.0;
-        let [velocities, motions] = [&mut self.velocities, &mut self.motions].map(|l| cells(l));
+        let [velocities, motions] = [&mut self.velocities, &mut self.motions].both(|l| cells(l));
         for held in &mut self.grabs {
             change += held.visit_among(velocities, motions, self.fastest);
         }
@@ -344,17 +345,8 @@ impl<L: F32xN> Island<L> {
     }
 
     pub fn find_pipeline(&self, problem: &PatchProblem) -> Pipeline {
-        let bodies = |(_, patch): (usize, u32)| problem.patches[patch as usize].bodies;
         let places = &self.grab_places.places;
-        let blocks = self.batches.iter().enumerate();
-        let blocks = blocks.map(|(block, patches)| {
-            let groups = places.before(block).iter();
-            let held = groups.flat_map(|group| places.bodies_of(group));
-            patches.flat_map(bodies).chain(held.copied())
-        });
-        let moves = |body: u32| problem.bodies[body as usize].inverse_mass > 0.0;
-        let round_ends = self.round_ends.clone();
-        Pipeline::new(blocks, problem.bodies.len(), moves, round_ends)
+        Pipeline::of(&self.batches, places, problem, self.round_ends.clone())
     }
 
     /// The size of all blocks and points.

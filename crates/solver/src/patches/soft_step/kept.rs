@@ -103,9 +103,9 @@ impl<L: F32xN> Kept<L> {
         problem: &mut PatchProblem,
         [first, others]: [&[Pass]; 2],
         threads: usize,
-        mut tell: impl FnMut(f32),
+        tell: &mut dyn FnMut(f32),
     ) {
-        self.sweep(problem, first, &mut tell);
+        self.sweep(problem, first, tell);
         if others.is_empty() {
             return;
         }
@@ -123,14 +123,14 @@ impl<L: F32xN> Kept<L> {
 
     /// Runs sweeps. Each goes over the blocks from the first to the last, in the order in which bodies were spawned, from the ground up; back
     /// and forth shook stacks and pyramids. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
-    pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], tell: impl FnMut(f32)) {
+    pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], tell: &mut dyn FnMut(f32)) {
         match self.island.batches.laps() {
             1 => self.island.sweep(problem, passes, tell),
             _ => {
-                let island = &self.island;
+                let batches = &self.island.batches;
                 let skewed = self
                     .skewed
-                    .get_or_insert_with(|| SkewedSweeps::new(island, problem));
+                    .get_or_insert_with(|| SkewedSweeps::new(batches, problem));
                 self.island.sweep_skewed(skewed, passes, tell);
             }
         }

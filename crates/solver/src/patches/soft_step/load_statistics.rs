@@ -1,5 +1,6 @@
 //! The loads of a problem's contacts and bodies at the beginning of a step, found in one pass over the contacts.
 
+use crate::Both;
 use crate::body::trace;
 use crate::{Body, PatchProblem};
 
@@ -55,7 +56,9 @@ impl LoadStatistics {
             new += (impulse - load).abs();
             all += larger(impulse, load);
             let carries = load > 0.0 || impulse > 0.0;
-            let levels = patch.bodies.map(|body| problem.bodies[body as usize].level);
+            let levels = patch
+                .bodies
+                .both(|body| problem.bodies[body as usize].level);
             let lower = patch.bodies[usize::from(levels[1] < levels[0])];
             body_loads[lower as usize].bears |= levels[0] != levels[1];
             let along = up.dot(patch.normal);

@@ -4,6 +4,7 @@
 //! other block costs one comparison more, and no memory.
 
 use crate::Body;
+use crate::Both;
 use crate::lanes::{F32xN, Kernel, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
@@ -16,7 +17,7 @@ pub struct Locks<L> {
 impl<L: F32xN> Locks<L> {
     /// No locked axes, for bodies with these inverse masses, 1/kg.
     pub fn free(inverse_mass: &[L; 2]) -> Self {
-        let inverse_masses = inverse_mass.map(|mass| Vec3xN {
+        let inverse_masses = inverse_mass.both(|mass| Vec3xN {
             x: mass,
             y: mass,
             z: mass,

@@ -252,8 +252,8 @@ impl SoftStep {
         let done = changes.len();
         changes.into_iter().for_each(&mut tell);
         match hits {
-            true => island.sweep_through_blows(&mut kept.blows, problem, passes, tell),
-            false => kept.sweep_if_needed(problem, [&first[done..], others], threads, tell),
+            true => island.sweep_through_blows(&mut kept.blows, problem, passes, &mut tell),
+            false => kept.sweep_if_needed(problem, [&first[done..], others], threads, &mut tell),
         }
         drop(span);
         let _span = tracing::info_span!("store").entered();

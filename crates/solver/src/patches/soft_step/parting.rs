@@ -10,6 +10,7 @@
 
 use super::gaps::Gaps;
 use super::island::Island;
+use crate::Both;
 use crate::lanes::{F32xN, State};
 use crate::{Body, PatchConstraint, PatchProblem};
 use glam::{Vec3, Vec4};
@@ -106,9 +107,9 @@ impl Row {
         let points = &problem.points[patch.range()];
         points.iter().filter_map(move |point| {
             let deep = -point.separation - DEEP;
-            let bodies = patch.bodies.map(|body| body as usize);
-            let arms = patch.arms.map(|arm| arm + point.offset);
-            let ends = bodies.map(|body| movers.first[body]);
+            let bodies = patch.bodies.both(|body| body as usize);
+            let arms = patch.arms.both(|arm| arm + point.offset);
+            let ends = bodies.both(|body| movers.first[body]);
             let response =
                 |side: usize| movers.response(problem.bodies, ends[side], patch.normal, arms[side]);
             let response = match ends[0] == ends[1] {
@@ -116,7 +117,7 @@ impl Row {
                 false => response(0) + response(1),
             };
             let came = |side: usize| {
-                let [linear, angular] = moved[bodies[side]].map(Vec4::truncate);
+                let [linear, angular] = moved[bodies[side]].both(Vec4::truncate);
                 linear + angular.cross(arms[side])
             };
             let came = patch.normal.dot(came(0) - came(1));

@@ -25,9 +25,14 @@
 use super::block::{Block, Pass, Points};
 use super::edges::EdgePlaces;
 use super::kinds::{Rigid, Soft};
+use crate::PatchProblem;
+use crate::batches::Batches;
 use crate::grab::ActiveGrab;
+use crate::join::on_threads;
 use crate::lanes::{F32xN, Kernel, State};
 use crate::rounds::RoundEnds;
+use crate::sort;
+use smallvec::SmallVec;
 use std::cell::Cell;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicUsize, Ordering::*};
@@ -90,28 +95,52 @@ pub fn is_worthwhile(threads: usize, bytes: usize) -> bool {
 }
 
 impl Pipeline {
-    /// `blocks` yields the bodies of each block; `moves` says whether contacts can change a body.
-    pub fn new<Bodies: Iterator<Item = u32>>(
-        blocks: impl Iterator<Item = Bodies> + Clone,
+    /// Finds the dependencies of blocks, in which grabs have these places.
+    pub fn of(
+        batches: &Batches,
+        places: &EdgePlaces,
+        problem: &PatchProblem,
+        round_ends: RoundEnds,
+    ) -> Self {
+        let mut blocks = Vec::with_capacity(batches.blocks());
+        for (block, patches) in batches.iter().enumerate() {
+            let mut bodies = Vec::new();
+            for (_, patch) in patches {
+                bodies.extend(problem.patches[patch as usize].bodies);
+            }
+            for group in places.before(block) {
+                bodies.extend_from_slice(places.bodies_of(group));
+            }
+            blocks.push(bodies);
+        }
+        let moves = |body: u32| problem.bodies[body as usize].inverse_mass > 0.0;
+        Self::new(&blocks, problem.bodies.len(), &moves, round_ends)
+    }
+
+    /// `blocks` are the bodies of each block; `moves` says whether contacts can change a body.
+    fn new(
+        blocks: &[Vec<u32>],
         bodies: usize,
-        moves: impl Fn(u32) -> bool,
+        moves: &dyn Fn(u32) -> bool,
         round_ends: RoundEnds,
     ) -> Self {
         let mut last = vec![0u32; bodies];
-        let mut count = 0;
-        for (number, block) in (0..).zip(blocks.clone()) {
-            count = number + 1;
-            block.for_each(|body| last[body as usize] = number);
+        for (number, block) in (0..).zip(blocks) {
+            for &body in block {
+                last[body as usize] = number;
+            }
         }
-        let reach: Vec<u32> = (0..count)
-            .zip(blocks)
-            .map(|(number, block)| {
-                let moved = block.filter(|&body| moves(body));
-                moved.map(|body| last[body as usize]).fold(number, u32::max)
-            })
-            .collect();
+        let count = blocks.len() as u32;
+        let mut reach = Vec::with_capacity(blocks.len());
+        for (number, block) in (0..).zip(blocks) {
+            let mut farthest: u32 = number;
+            for &body in block.iter().filter(|&&body| moves(body)) {
+                farthest = farthest.max(last[body as usize]);
+            }
+            reach.push(farthest);
+        }
         let mut bodies: Vec<u32> = (0..bodies as u32).filter(|&body| moves(body)).collect();
-        bodies.sort_by_key(|&body| last[body as usize]);
+        sort::by_key(&mut bodies, |&body| last[body as usize]);
         let ends = (0..count)
             .map(|block| bodies.partition_point(|&body| last[body as usize] <= block) as u32);
         let lags = (0..).zip(&reach).map(|(block, reach)| reach - block);
@@ -153,7 +182,7 @@ impl Pipeline {
         passes: &[Pass],
         mut work: Work<L>,
         shares: Shares,
-        mut tell: impl FnMut(f32),
+        tell: &mut dyn FnMut(f32),
     ) {
         if shares.threads == 1 {
             for passes in passes.chunks(shares.group) {
@@ -168,7 +197,7 @@ impl Pipeline {
                 changes.iter().for_each(|change| tell(change.sum()));
             }
         } else {
-            let changes = self.run_in_groups(passes, work, shares, || ());
+            let changes = self.run_in_groups(passes, work, shares, &|| ());
             changes.iter().for_each(|change| tell(change.sum()));
         }
     }
@@ -179,7 +208,7 @@ impl Pipeline {
         passes: &[Pass],
         mut work: Work<L>,
         shares: Shares,
-        delay: impl Fn() + Sync,
+        delay: &(dyn Fn() + Sync),
     ) -> Vec<L> {
         let mut changes = vec![L::ZERO; passes.len()];
         let groups = passes.chunks(shares.group);
@@ -198,16 +227,11 @@ impl Pipeline {
                 L::run(PipelinedSweeps {
                     shared: &shared,
                     number,
-                    delay: &delay,
+                    delay,
                 });
             }
         };
-        rayon::scope(|scope| {
-            for _ in 1..shares.threads.min(groups.len()) {
-                scope.spawn(|_| work());
-            }
-            work();
-        });
+        on_threads(shares.threads.min(groups.len()), &work);
         drop(groups);
         changes
     }
@@ -311,10 +335,10 @@ impl<'a, L: F32xN> Shared<'a, L> {
 ///
 /// Its sweeps access a block, its points, its grabs and its moving bodies only after the sweep before is past the block's reach. So no
 /// other thread accesses any of them at that time, nor until this sweep has passed them, which the counter tells the next group.
-struct PipelinedSweeps<'a, 'b, L: F32xN, D: Fn()> {
+struct PipelinedSweeps<'a, 'b, L: F32xN> {
     shared: &'b Shared<'a, L>,
     number: usize,
-    delay: &'b D,
+    delay: &'b dyn Fn(),
 }
 
 /// Ends the wait of other threads if this one panics.
@@ -326,7 +350,7 @@ impl Drop for Unblock<'_> {
     }
 }
 
-impl<L: F32xN, D: Fn()> Kernel for PipelinedSweeps<'_, '_, L, D> {
+impl<L: F32xN> Kernel for PipelinedSweeps<'_, '_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -406,20 +430,23 @@ impl<'a, L: F32xN> Following<'a, L> {
     }
 
     /// Σ W Δλ² of each sweep, J.
-    pub fn changes(&self) -> impl Iterator<Item = f32> {
-        let changes = &self.changes[..self.passes.len()];
-        changes.iter().map(|change| change.sum())
+    pub fn changes(&self) -> SmallVec<[f32; 8]> {
+        let mut sums = SmallVec::new();
+        for change in &self.changes[..self.passes.len()] {
+            sums.push(change.sum());
+        }
+        sums
     }
 }
 
 /// The visits of sweeps that follow work which has passed `past` blocks.
-struct Follow<'a, 'b, 'c, L: F32xN, D: Fn()> {
-    sweeps: PipelinedSweeps<'a, 'b, L, D>,
+struct Follow<'a, 'b, 'c, L: F32xN> {
+    sweeps: PipelinedSweeps<'a, 'b, L>,
     following: &'b mut Following<'c, L>,
     past: usize,
 }
 
-impl<L: F32xN, D: Fn()> Kernel for Follow<'_, '_, '_, L, D> {
+impl<L: F32xN> Kernel for Follow<'_, '_, '_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -447,7 +474,7 @@ const PATIENCE: u32 = 1000;
 /// Upper bound of sweeps in a group.
 const MOST: usize = 8;
 
-impl<L: F32xN, D: Fn()> PipelinedSweeps<'_, '_, L, D> {
+impl<L: F32xN> PipelinedSweeps<'_, '_, L> {
     /// Each sweep visits some more blocks behind the one before it, the first behind whatever has passed so many blocks.
     #[inline(always)]
     fn turn(&self, passes: &[Pass], at: &mut [usize; MOST], changes: &mut [L], mut past: usize) {

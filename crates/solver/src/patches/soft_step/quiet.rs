@@ -18,6 +18,7 @@
 
 use super::block::Pass;
 use super::island::Island;
+use crate::Both;
 use crate::lanes::{F32xN, State};
 use crate::{Body, PatchProblem};
 use std::ops::Range;
@@ -37,7 +38,7 @@ const ALMOST: f32 = 8.0;
 /// Whether an island may be quiet in this step. If some contacts may bounce it needs all sweeps: a brick with e = 0.6 that bounces on a wall at 0.1 s
 /// moved it by 2.3 mm instead of less than 1. Otherwise: it never sleeps, only contacts act on its bodies, and these were almost still before the step.
 pub fn may_be_quiet(problem: &PatchProblem, bounces: bool) -> bool {
-    let start = |body: &Body| body.start.map(|velocity| velocity.extend(0.0));
+    let start = |body: &Body| body.start.both(|velocity| velocity.extend(0.0));
     problem.stays_awake
         && !bounces
         && !problem.patches.is_empty()
@@ -50,7 +51,7 @@ pub fn may_be_quiet(problem: &PatchProblem, bounces: bool) -> bool {
 
 /// Returns true if a body with this velocity is almost still. A body that contacts cannot change is so if it stands.
 fn is_almost_still(body: &Body, [linear, angular]: State) -> bool {
-    let [speed, spin] = body.still_below.map(|limit| ALMOST * limit);
+    let [speed, spin] = body.still_below.both(|limit| ALMOST * limit);
     linear.length_squared() <= speed * speed && angular.length_squared() <= spin * spin
 }
 

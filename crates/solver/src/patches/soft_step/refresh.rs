@@ -5,6 +5,7 @@ use super::halves::Part;
 use super::island::Island;
 use super::joints::Contacts;
 use super::pipeline::Following;
+use crate::Both;
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, Kernel, State, cells};
@@ -139,7 +140,7 @@ impl<L: F32xN> Island<L> {
         pass: &Pass,
         closed: f32,
     ) -> f32 {
-        self.refresh_before(problem, spring, pass, closed, |_, _| ())
+        self.refresh_before(problem, spring, pass, closed, &mut |_, _| ())
     }
 
     /// Like [`refresh`](Self::refresh). Calls `then` after every few blocks, with the number of blocks that are done.
@@ -149,7 +150,7 @@ impl<L: F32xN> Island<L> {
         spring: &Spring,
         pass: &Pass,
         closed: f32,
-        mut then: impl FnMut(&mut Self, usize),
+        then: &mut dyn FnMut(&mut Self, usize),
     ) -> f32 {
         self.free.clone_from(&self.velocities);
         for held in &self.grabs {
@@ -219,7 +220,7 @@ impl<L: F32xN> Island<L> {
         spring: &Spring,
         passes: &[Pass],
     ) -> f32 {
-        self.start_before(problem, substeps, spring, passes, |_, _| ())
+        self.start_before(problem, substeps, spring, passes, &mut |_, _| ())
     }
 
     /// Like [`start`](Self::start). Calls `then` after every few blocks, with the number of blocks that are prepared.
@@ -229,7 +230,7 @@ impl<L: F32xN> Island<L> {
         substeps: usize,
         spring: &Spring,
         passes: &[Pass],
-        then: impl FnMut(&mut Self, usize),
+        then: &mut dyn FnMut(&mut Self, usize),
     ) -> f32 {
         self.begin(problem, substeps);
         self.push(problem.bodies, 1.0 / substeps as f32);
@@ -264,13 +265,13 @@ impl<L: F32xN> Island<L> {
         let mut following = pipeline
             .as_ref()
             .and_then(|pipeline| Following::new(pipeline, upwards, bytes));
-        let follow = |island: &mut Self, past: usize| {
+        let mut follow = |island: &mut Self, past: usize| {
             if let Some(following) = &mut following {
                 following.follow(island.work(), past);
             }
         };
-        let merit = self.start_before(problem, substeps, spring, passes, follow);
-        let changes = following.iter().flat_map(Following::changes).collect();
+        let merit = self.start_before(problem, substeps, spring, passes, &mut follow);
+        let changes = following.map_or_else(SmallVec::new, |following| following.changes());
         if may_follow {
             self.pipeline = pipeline;
         }
@@ -289,8 +290,8 @@ impl<L: F32xN> Island<L> {
         }
         let states = self.velocities.iter().zip(&self.motions);
         for (body, (velocity, motion)) in problem.bodies.iter_mut().zip(states) {
-            [body.linear, body.angular] = velocity.map(Vec4::truncate);
-            body.motion = Some(motion.map(|m| m.truncate() / problem.dt));
+            [body.linear, body.angular] = velocity.both(Vec4::truncate);
+            body.motion = Some(motion.both(|m| m.truncate() / problem.dt));
         }
         self.joints.store(problem, &self.motions, rate);
     }

@@ -12,6 +12,7 @@
 //! - All of its bodies must be slow, and some faster than at rest.
 
 use super::load_statistics::BodyLoad;
+use crate::Both;
 use crate::patches::FEW;
 use crate::{Body, PatchProblem, Settling};
 use glam::Vec3;
@@ -69,8 +70,8 @@ impl Settling {
 
     /// The square of the speed of a body, as a share of [`Self::below`].
     fn square_speed(&self, body: &Body) -> f32 {
-        let squares = [body.linear, body.angular].map(Vec3::length_squared);
-        let [linear, angular] = self.below.map(|limit| limit * limit);
+        let squares = [body.linear, body.angular].both(Vec3::length_squared);
+        let [linear, angular] = self.below.both(|limit| limit * limit);
         (squares[0] / linear).max(squares[1] / angular)
     }
 }

@@ -12,7 +12,9 @@ use super::block::Pass;
 use super::island::Island;
 use super::kinds::{Kinds, Mixed, Rigid, Soft};
 use crate::PatchProblem;
+use crate::batches::Batches;
 use crate::lanes::{F32xN, Kernel, State, cells};
+use crate::sort;
 use std::cell::Cell;
 
 /// The visits after which a sweep has finished with bodies, found once for the blocks of an island.
@@ -40,8 +42,7 @@ struct Last {
 }
 
 impl SkewedSweeps {
-    pub fn new<L: F32xN>(island: &Island<L>, problem: &PatchProblem) -> Self {
-        let batches = &island.batches;
+    pub fn new(batches: &Batches, problem: &PatchProblem) -> Self {
         // A sweep has finished at once with a body without contacts.
         let mut last = vec![(0, 0); problem.bodies.len()];
         for (block, lanes) in (0..).zip(batches.iter()) {
@@ -55,7 +56,7 @@ impl SkewedSweeps {
         }
         let moves = |body: &u32| problem.bodies[*body as usize].inverse_mass > 0.0;
         let mut bodies: Vec<u32> = (0..last.len() as u32).filter(moves).collect();
-        bodies.sort_by_key(|&body| last[body as usize].1);
+        sort::by_key(&mut bodies, |&body| last[body as usize].1);
         let ends = (0..batches.blocks() as u32)
             .map(|block| bodies.partition_point(|&body| last[body as usize].1 <= block) as u32);
         Self {
@@ -94,7 +95,7 @@ impl<L: F32xN> Island<L> {
         &mut self,
         skewed: &mut SkewedSweeps,
         passes: &[Pass],
-        tell: impl FnMut(f32),
+        tell: &mut dyn FnMut(f32),
     ) {
         skewed.changes.clear();
         skewed.changes.resize(passes.len(), 0.0);

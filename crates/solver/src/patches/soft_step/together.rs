@@ -10,6 +10,7 @@ use super::quiet::{first_round, may_be_quiet};
 use super::sweep_budget::SweepBudget;
 use super::{Bounces, PatchSolver, SoftStep, blows, parting};
 use crate::lanes::F32xN;
+use crate::sort;
 use crate::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem, SolveReport};
 use glam::Vec3;
 use std::ops::Range;
@@ -138,7 +139,11 @@ impl SoftStep {
             });
         }
         let sweeps = |begun: &Begun| (begun.budget.plan(), begun.may_be_quiet);
-        begun.sort_by_key(sweeps);
+        sort::by_key(&mut begun, |begun| {
+            let ((substeps, per_rigid_sweep, downwards), may_be_quiet) = sweeps(begun);
+            let flags = u64::from(downwards) << 1 | u64::from(may_be_quiet);
+            (substeps, per_rigid_sweep, flags)
+        });
         for group in begun.chunk_by(|a, b| sweeps(a) == sweeps(b)) {
             let mut may_be_quiet = group[0].may_be_quiet;
             let mut rest: Vec<&Begun> = group.iter().collect();

@@ -1,6 +1,7 @@
 //! The data of pairs of bodies, their patches and their points, in lanes.
 
 use super::Cone;
+use crate::Both;
 use crate::lanes::{F32xN, Frame, Symmetric, Vec3xN};
 use crate::{Body, PointConstraint};
 use std::ops::Range;
@@ -78,7 +79,7 @@ impl<L: F32xN> Block<L> {
 
     /// Loads a pair into a lane.
     pub fn load(&mut self, lane: usize, pair: [u32; 2], bodies: &[Body]) {
-        let masses = pair.map(|body| bodies[body as usize].inverse_mass);
+        let masses = pair.both(|body| bodies[body as usize].inverse_mass);
         let both = masses[0] + masses[1];
         self.inverse_mass[lane] = both;
         for side in 0..2 {

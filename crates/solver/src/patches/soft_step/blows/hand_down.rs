@@ -10,6 +10,7 @@
 
 use super::hot::{Hot, Place};
 use super::{BLOW, SETTLED};
+use crate::Both;
 use crate::groups::Groups;
 use crate::lanes::{F32xN, State};
 use crate::patches::soft_step::island::Island;
@@ -163,13 +164,13 @@ impl HandDown {
             hot.heat(body);
             hot.hold(body);
             self.find_rows(body, problem, island, hot, rate);
-            let mut velocity = island.velocities[body as usize].map(Vec4::truncate);
+            let mut velocity = island.velocities[body as usize].both(Vec4::truncate);
             stop(
                 &mut self.rows,
                 &problem.bodies[body as usize],
                 &mut velocity,
             );
-            island.velocities[body as usize] = velocity.map(|v| v.extend(0.0));
+            island.velocities[body as usize] = velocity.both(|v| v.extend(0.0));
             self.hand_on(body, problem, island);
         }
         self.order = Some(order);
@@ -181,7 +182,7 @@ impl HandDown {
         self.gains.clear();
         self.gains.resize(problem.bodies.len(), 0.0);
         for (body, of) in (0..).zip(problem.bodies.iter()) {
-            let [now, before] = [&island.velocities, &self.before].map(|list| list[body as usize]);
+            let [now, before] = [&island.velocities, &self.before].both(|list| list[body as usize]);
             if now != before {
                 let gain = kinetic_energy(of, &now) - kinetic_energy(of, &before);
                 self.gains[self.linked.first_of(body) as usize] += gain;
@@ -256,13 +257,13 @@ impl HandDown {
         for &body in order.iter().rev() {
             if self.stops[body as usize] {
                 self.find_rows(body, problem, island, hot, rate);
-                let mut velocity = self.stopped[body as usize].map(Vec4::truncate);
+                let mut velocity = self.stopped[body as usize].both(Vec4::truncate);
                 stop(
                     &mut self.rows,
                     &problem.bodies[body as usize],
                     &mut velocity,
                 );
-                self.stopped[body as usize] = velocity.map(|v| v.extend(0.0));
+                self.stopped[body as usize] = velocity.both(|v| v.extend(0.0));
             }
         }
     }
@@ -313,9 +314,9 @@ impl HandDown {
                 -patch.normal
             };
             let first = island.blocks[place.block as usize].first;
-            let [linear, angular] = self.stopped[below as usize].map(Vec4::truncate);
+            let [linear, angular] = self.stopped[below as usize].both(Vec4::truncate);
             for (point, offset) in (first..).zip(&problem.points[patch.range()]) {
-                let arms = [side, 1 - side].map(|side| patch.arms[side] + offset.offset);
+                let arms = [side, 1 - side].both(|side| patch.arms[side] + offset.offset);
                 let found = &island.points[point as usize];
                 let lane = place.lane as usize;
                 let response = problem.bodies[body as usize].response(normal, arms[0]);
@@ -341,7 +342,7 @@ impl HandDown {
 
 /// Kinetic energy, J.
 fn kinetic_energy(body: &Body, velocity: &State) -> f64 {
-    let [linear, angular] = velocity.map(|v| v.truncate().as_dvec3());
+    let [linear, angular] = velocity.both(|v| v.truncate().as_dvec3());
     let inertia = body.inertia();
     0.5 * (linear.length_squared() / body.inverse_mass as f64 + angular.dot(inertia * angular))
 }

@@ -25,6 +25,7 @@ use super::block::Pass;
 use super::gaps::Gaps;
 use super::island::Island;
 use super::kinds::{MoreRigid, MoreSoft, Soft};
+use crate::Both;
 use crate::body::{speed_of, trace};
 use crate::lanes::{F32xN, Kernel, cells};
 use crate::{Body, PatchConstraint, PatchProblem};
@@ -66,7 +67,7 @@ pub fn expected(problem: &PatchProblem, gaps: &Gaps) -> bool {
 
 /// Whether a body moves or turns with at least half of the speed of a blow, before the forces of this step.
 fn is_fast(body: &Body) -> bool {
-    let [linear, angular] = body.start.map(Vec3::length_squared);
+    let [linear, angular] = body.start.both(Vec3::length_squared);
     let limit = 0.25 * BLOW * BLOW;
     linear + angular * body.square_gyration() > limit
 }
@@ -74,17 +75,17 @@ fn is_fast(body: &Body) -> bool {
 /// Whether the free motion closes a patch in this step with the speed of a blow. Patches that bounce are left out: their bodies are thrown
 /// back after the substeps.
 fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
-    let bodies = patch.bodies.map(|body| &problem.bodies[body as usize]);
+    let bodies = patch.bodies.both(|body| &problem.bodies[body as usize]);
     let points = &problem.points[patch.range()];
     patch.restitution == 0.0
         && points.iter().any(|point| {
-            let arms = patch.arms.map(|arm| arm + point.offset);
+            let arms = patch.arms.both(|arm| arm + point.offset);
             let along = |[a, b]: [[Vec3; 2]; 2]| {
                 let at = |[linear, angular]: [Vec3; 2], arm: Vec3| linear + angular.cross(arm);
                 patch.normal.dot(at(b, arms[1]) - at(a, arms[0]))
             };
-            let before = along(bodies.map(|body| body.start));
-            let gained = along(bodies.map(Body::push));
+            let before = along(bodies.both(|body| body.start));
+            let gained = along(bodies.both(Body::push));
             let apart = point.separation.max(0.0);
             // The squared speed gained by a constant force on the way to the surface.
             let gathered = 2.0 * gained.max(0.0) / problem.dt * apart;
@@ -166,8 +167,8 @@ impl<L: F32xN> Blows<L> {
         self.hot.clear();
         for &body in &self.candidates {
             let [now, before] =
-                [&island.velocities, &island.before].map(|list| list[body as usize]);
-            let [linear, angular] = [0, 1].map(|i| (now[i] - before[i]).truncate());
+                [&island.velocities, &island.before].both(|list| list[body as usize]);
+            let [linear, angular] = [0, 1].both(|i| (now[i] - before[i]).truncate());
             if speed_of(linear, angular, self.square_gyrations[body as usize]) > BLOW {
                 self.hot.heat(body);
             }
@@ -184,7 +185,7 @@ impl<L: F32xN> Island<L> {
         blows: &mut Blows<L>,
         problem: &PatchProblem,
         passes: &[Pass],
-        mut tell: impl FnMut(f32),
+        tell: &mut dyn FnMut(f32),
     ) {
         blows.begin(problem, self);
         let mut takes_blow = false;

@@ -9,6 +9,7 @@
 use super::super::SoftStep;
 use super::super::block::{Pass, Spring};
 use super::super::island::{Island, batches};
+use crate::Both;
 use crate::body::speed_of;
 use crate::lanes::{F32xN, State};
 use crate::{Body, PatchProblem};
@@ -149,7 +150,7 @@ impl<L: F32xN> Island<L> {
     /// The speed of the fastest body at the end of a substep, at its radius of gyration where it turns, m/s.
     fn fastest(&self, bodies: &[Body]) -> f32 {
         let speed = |(body, state): (&Body, &State)| {
-            let [linear, angular] = state.map(Vec4::truncate);
+            let [linear, angular] = state.both(Vec4::truncate);
             speed_of(linear, angular, body.square_gyration())
         };
         let states = bodies.iter().zip(&self.before);

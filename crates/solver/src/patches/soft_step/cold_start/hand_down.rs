@@ -2,6 +2,7 @@
 //! pass is exact for a tower, also on a slope, and a good start for a wall or a pyramid.
 
 use super::super::upright::{up, upper};
+use crate::Both;
 use crate::{Body, PatchPoint, PatchProblem};
 use bevy_math::ops;
 use glam::Vec3;
@@ -52,7 +53,7 @@ pub fn standing(problem: &PatchProblem, closed: f32, jointed: &[bool]) -> Vec<bo
         if let Some(side) = upper(patch, up)
             && points.iter().any(|point| point.separation <= closed)
         {
-            let [on_top, below] = [side, 1 - side].map(|side| patch.bodies[side] as usize);
+            let [on_top, below] = [side, 1 - side].both(|side| patch.bodies[side] as usize);
             stands[on_top] |= stands[below];
         }
     }
@@ -68,7 +69,7 @@ impl Supports {
         };
         for (i, patch) in problem.patches.iter().enumerate() {
             if let Some(side) = upper(patch, up) {
-                let [on_top, below] = [side, 1 - side].map(|side| patch.bodies[side] as usize);
+                let [on_top, below] = [side, 1 - side].both(|side| patch.bodies[side] as usize);
                 supports.of[on_top].push((i as u32, side as u32));
                 supports.above[below] += 1;
             }
@@ -181,18 +182,18 @@ impl Foot {
         let tangents = self.tangents.get_or_insert_with(|| {
             let sign = if self.side == 0 { 1.0 } else { -1.0 };
             let (t1, t2) = patch.normal.any_orthonormal_pair();
-            [t1, t2].map(|t| {
+            [t1, t2].both(|t| {
                 let before = t.dot(patch.friction_impulse);
                 Row::new(body, t * sign, patch.arms[self.side], before)
             })
         });
         let carried: f32 = self.normals.iter().map(|(_, row)| row.impulse).sum();
-        let [x, y] = [0, 1].map(|i| tangents[i].wanted(*motion));
+        let [x, y] = [0, 1].both(|i| tangents[i].wanted(*motion));
         let share = (patch.friction * carried / ops::hypot(x, y)).min(1.0);
         let found = if share.is_nan() {
             [0.0; 2]
         } else {
-            [x, y].map(|x| share * x)
+            [x, y].both(|x| share * x)
         };
         let rows = tangents.iter_mut().zip(found);
         rows.map(|(row, found)| row.set(found, body, motion))
@@ -235,7 +236,7 @@ pub fn largest_motion(problem: &PatchProblem) -> f32 {
     let motions = unbalanced(problem);
     let bodies = problem.bodies.iter().zip(motions);
     let moving = bodies.filter(|(body, _)| body.inverse_mass > 0.0);
-    let parts = moving.flat_map(|(_, motion)| motion.map(Vec3::length));
+    let parts = moving.flat_map(|(_, motion)| motion.both(Vec3::length));
     parts.fold(0.0, |most, part| match part.is_nan() {
         true => f32::INFINITY,
         false => part.max(most),

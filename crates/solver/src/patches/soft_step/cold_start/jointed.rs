@@ -9,6 +9,7 @@ use super::super::island::Island;
 use super::super::joints::Contacts;
 use super::PUT;
 use super::hand_down::{self, Limits};
+use crate::Both;
 use crate::lanes::{F32xN, cells};
 use crate::{Body, Lanes, PatchProblem};
 use glam::Vec3;
@@ -38,8 +39,8 @@ impl Feet {
         let moves = |body: usize| problem.bodies[body].inverse_mass > 0.0;
         let mut patches = Vec::new();
         for (number, patch) in problem.patches.iter().enumerate() {
-            let bodies = patch.bodies.map(|body| body as usize);
-            let side = match bodies.map(|body| jointed[body] && moves(body)) {
+            let bodies = patch.bodies.both(|body| body as usize);
+            let side = match bodies.both(|body| jointed[body] && moves(body)) {
                 [true, false] => 1,
                 [false, true] => 0,
                 _ => continue,

@@ -17,7 +17,7 @@ fn swept(mut island: Island<F32x4>, problem: &mut PatchProblem) -> Result {
         h: problem.dt / 7.0,
     };
     island.start(problem, 7, &spring, &passes);
-    island.sweep(problem, &passes, |_| ());
+    island.sweep(problem, &passes, &mut |_| ());
     let bodies = island.velocities.iter().take(problem.bodies.len());
     let bodies = bodies.map(|state| state.map(|v| v.to_array().map(f32::to_bits)));
     let bodies = bodies.collect();

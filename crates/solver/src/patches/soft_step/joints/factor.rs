@@ -18,6 +18,7 @@
 //! is zero, so that most operations are of whole registers.
 
 use crate::lanes::PlainKernel;
+use crate::sort;
 
 /// Four numbers below each other in a column.
 pub type Quad = [f64; 4];
@@ -107,7 +108,7 @@ impl Factor {
             let first = factor.below.len();
             let rows = around.iter().map(|&body| factor.column_of[body]);
             factor.below.extend(rows);
-            factor.below[first..].sort_unstable();
+            sort::values(&mut factor.below[first..]);
             factor.ends.push([factor.below.len(), 0]);
         }
         let mut most = 0;

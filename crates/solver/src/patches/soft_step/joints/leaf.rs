@@ -11,6 +11,7 @@
 use super::factor::{Numbers, Quad};
 use super::member::Member;
 use crate::Body;
+use crate::Both;
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, State};
@@ -122,7 +123,7 @@ impl LeafPatch {
         for (block, lanes) in batches.iter().enumerate() {
             for (lane, patch) in lanes {
                 let bodies = problem.patches[patch as usize].bodies;
-                let (member, side) = match bodies.map(&member_of) {
+                let (member, side) = match bodies.both(&member_of) {
                     [Some(member), None] => (member, 0),
                     [None, Some(member)] => (member, 1),
                     _ => continue,
@@ -134,7 +135,7 @@ impl LeafPatch {
                     member,
                     side,
                     other: None,
-                    bodies: bodies.map(|body| body as usize),
+                    bodies: bodies.both(|body| body as usize),
                     normal: Vec3::ZERO,
                     arms: [Vec3::ZERO; 2],
                     offsets: 0..0,
@@ -188,7 +189,7 @@ impl LeafPatch {
         let left = carried * block.share[lane] * block.inverse_load[lane];
         let most = (left * UNLOADED).min(1.0);
         let states = [contacts.velocities, contacts.motions];
-        let [velocities, motions] = states.map(|list| self.bodies.map(|body| read(list, body)));
+        let [velocities, motions] = states.both(|list| self.bodies.both(|body| read(list, body)));
         for (i, point) in used().enumerate() {
             let impulse = point.impulse[lane];
             let mass = point.mass[lane];
@@ -243,7 +244,7 @@ impl LeafPatch {
         if !self.other.is_none_or(bears) || used().any(carries) {
             return;
         }
-        let mut velocities = self.bodies.map(|body| read(contacts.velocities, body));
+        let mut velocities = self.bodies.both(|body| read(contacts.velocities, body));
         if self.other.is_some() {
             velocities[1 - self.side] = [Vec3::ZERO; 2];
         }
@@ -265,7 +266,7 @@ impl LeafPatch {
 
     /// From the centres of mass to one of its points, m.
     fn arms_of(&self, i: usize, offsets: &[Vec3]) -> [Vec3; 2] {
-        self.arms.map(|arm| arm + offsets[self.offsets.start + i])
+        self.arms.both(|arm| arm + offsets[self.offsets.start + i])
     }
 
     /// The motion along its normal of A relative to B, at a point.
@@ -280,7 +281,7 @@ impl LeafPatch {
         let sign = if self.side == 0 { 1.0 } else { -1.0 };
         let push = sign * self.normal;
         let turn = arms[self.side].cross(push);
-        let [push, turn] = [push, turn].map(Vec3::as_dvec3);
+        let [push, turn] = [push, turn].both(Vec3::as_dvec3);
         let other = self.other.map_or(0.0, |other| {
             let turn = arms[1 - self.side].cross(self.normal);
             let along = self.normal * other.free_axes;
@@ -291,7 +292,7 @@ impl LeafPatch {
             patch: number,
             point,
             member: self.member,
-            numbers: [push, turn].map(|v| [v.x, v.y, v.z, 0.0]),
+            numbers: [push, turn].both(|v| [v.x, v.y, v.z, 0.0]),
             own_compliance: 0.0,
             compliance: other as f64,
             lack: 0.0,
@@ -380,7 +381,7 @@ impl Leaf {
             let [x, y, z, _] = numbers.map(|number| (number * self.change) as f32);
             Vec3::new(x, y, z)
         };
-        let [push, turn] = self.numbers.map(part);
+        let [push, turn] = self.numbers.both(part);
         member.respond(push, turn)
     }
 }

@@ -1,5 +1,6 @@
 //! A body that joints hold, during a step: how it has turned, and its inertia.
 
+use crate::Both;
 use crate::joint::Placement;
 use crate::lanes::State;
 use crate::{Body, body::trace};
@@ -206,7 +207,7 @@ impl Member {
         if !self.is_singular && self.before != self.inertia {
             let momentum = self.before * spin.as_dvec3();
             let kept = (self.inverse_inertia.as_dmat3() * momentum).as_vec3();
-            let [was, is] = [spin, kept].map(|spin| spin.as_dvec3().dot(momentum));
+            let [was, is] = [spin, kept].both(|spin| spin.as_dvec3().dot(momentum));
             found = match is > was && was > 0.0 {
                 true => kept * (was / is).sqrt() as f32,
                 false => kept,
@@ -276,7 +277,7 @@ impl Member {
     /// Its motion over the step: displacement, and rotation vector. `motion` is that in the lists of the island, which may have changed
     /// after the last drift.
     pub fn motion_of_step(&self, motion: &State) -> [Vec3; 2] {
-        let [moved, turned] = motion.map(Vec4::truncate);
+        let [moved, turned] = motion.both(Vec4::truncate);
         let turn = self.placement.turned;
         let turn = if turn.w < 0.0 { -turn } else { turn };
         [moved, turn.to_scaled_axis() + (turned - self.drifted[1])]

@@ -28,12 +28,14 @@ mod sharing;
 mod springs;
 
 use super::block::{Pass, Spring};
+use crate::Both;
 use crate::batches::Batches;
 use crate::groups::Groups;
 use crate::joint::{
     COORDINATES, Geometry, Part, Placement, Times, Utilization, filter_share, rows_of,
 };
 use crate::lanes::{F32xN, State, has_fused};
+use crate::sort;
 use crate::{JointConstraint, Lanes, PatchProblem};
 use glam::{Mat3, Vec3};
 pub use leaf::Contacts;
@@ -171,11 +173,11 @@ impl Joints {
             let pieces = &self.pieces;
             pieces.partition_point(|piece| piece.members.end <= patch.member)
         };
-        patches.sort_by_key(piece_of);
+        sort::by_key(&mut patches, piece_of);
         for piece in &mut self.pieces {
             let Range { start, end } = piece.members;
             let [first, end] =
-                [start, end].map(|end| patches.partition_point(|patch| patch.member < end));
+                [start, end].both(|end| patches.partition_point(|patch| patch.member < end));
             piece.patches = first..end;
         }
         self.patches = patches;
@@ -197,10 +199,10 @@ impl Joints {
             }
         }
         let mut ends: Vec<u32> = acting.iter().flat_map(|(_, ends)| *ends).collect();
-        ends.sort_unstable();
+        sort::values(&mut ends);
         ends.dedup();
         // Piece by piece, and fixed bodies last.
-        ends.sort_by_key(|&body| match moves(body) {
+        sort::by_key(&mut ends, |&body| match moves(body) {
             true => groups.first_of(body),
             false => u32::MAX,
         });
@@ -223,7 +225,9 @@ impl Joints {
                 (piece, pair, number)
             })
             .collect();
-        sorted.sort_unstable();
+        sort::by_key(&mut sorted, |&(piece, [a, b], number)| {
+            (piece, u64::from(a) << 32 | u64::from(b), number)
+        });
         let mut member = 0;
         for piece in sorted.chunk_by(|a, b| a.0 == b.0) {
             let first_link = self.links.len();
@@ -233,7 +237,7 @@ impl Joints {
                 let rows = rows_of(joint);
                 self.rows
                     .extend(rows.map(|(number, part)| Row::new(number, part)));
-                let ends = joint.bodies.map(|body| place[body as usize]);
+                let ends = joint.bodies.both(|body| place[body as usize]);
                 let geometry = Geometry::new(joint, [Placement::START; 2]);
                 let rows = first..self.rows.len();
                 self.links.push(Link::new(number, ends, rows, geometry));
@@ -534,7 +538,7 @@ impl Joints {
                 // The next substep carries the spin anew, too.
                 member.given = [moves, turns + carried];
                 let state = [linear + moves, was + gained + member.given[1]];
-                velocities[member.body as usize].set(state.map(|velocity| velocity.extend(0.0)));
+                velocities[member.body as usize].set(state.both(|velocity| velocity.extend(0.0)));
             }
             piece.is_stale |= is_refreshed;
         }
@@ -552,14 +556,14 @@ impl Joints {
             for row in &self.rows[link.rows.clone()] {
                 joint.forces[row.coordinate] += row.impulse / self.h;
             }
-            joint.mean = log.sum.map(|sum| sum / self.substeps as f32);
+            joint.mean = log.sum.both(|sum| sum / self.substeps as f32);
             (joint.filtered, joint.late, joint.peak) = (log.filtered, log.late, log.peak);
             joint.broke = log.broke;
         }
         for member in self.members.iter().filter(|member| member.moves) {
             let body = &mut problem.bodies[member.body as usize];
             let motion = member.motion_of_step(&motions[member.body as usize]);
-            body.motion = Some(motion.map(|motion| motion / problem.dt));
+            body.motion = Some(motion.both(|motion| motion / problem.dt));
             body.motion_is_exact = true;
         }
     }
@@ -594,9 +598,9 @@ fn record(
         }
         if filter != joint.filter {
             filter = joint.filter;
-            shares = [1, substeps - 1].map(|count| filter_share(count as f32 * h, filter));
+            shares = [1, substeps - 1].both(|count| filter_share(count as f32 * h, filter));
         }
-        let late = late.map(|force| link.geometry.local(force));
+        let late = late.both(|force| link.geometry.local(force));
         let carried = std::mem::replace(&mut log.late, late);
         // The first substep has what the one before left over.
         let parts = shares.into_iter().zip([carried, [Vec3::ZERO; 2]]);
@@ -613,7 +617,7 @@ fn record(
         if let Some(section) = &joint.section
             && log.broke.is_none()
         {
-            let now = forces.map(|force| link.geometry.local(force));
+            let now = forces.both(|force| link.geometry.local(force));
             log.used = breaking::lesser(section, log.filtered, now);
             piece.is_strained |= log.used.is_some();
         }

@@ -13,6 +13,7 @@ use super::leaf::{Contacts, Held, Leaf, LeafPatch, add, read};
 use super::member::Member;
 use super::row::{Bound, Link, Row};
 use super::springs::{self, Springs};
+use crate::Both;
 use crate::lanes::{F32xN, PlainKernel, State, run_plain};
 use crate::patches::soft_step::block::Pass;
 use glam::{DVec3, Vec3};
@@ -104,12 +105,12 @@ impl Piece {
     /// `all` are the links of all pieces.
     pub fn new(members: Range<usize>, links: Range<usize>, all: &[Link], is_driven: bool) -> Self {
         let moving = |end: usize| members.contains(&end).then(|| end - members.start);
-        let ends = all[links.clone()].iter().map(|link| link.ends.map(moving));
+        let ends = all[links.clone()].iter().map(|link| link.ends.both(moving));
         let both = |ends: [Option<usize>; 2]| Some([ends[0]?, ends[1]?]);
         let edges: Vec<_> = ends.clone().filter_map(both).collect();
         let factor = Factor::new(members.len(), &edges);
         let seats = ends.map(|ends| Seat {
-            places: ends.map(|end| Some(factor.place_of(end?))),
+            places: ends.both(|end| Some(factor.place_of(end?))),
             coupling: both(ends).map(|ends| factor.coupling(ends)),
         });
         Self {
@@ -245,8 +246,8 @@ impl Piece {
     fn find_lacks(&self, soft: bool, h: f32, lists: &mut Lists, velocities: &[Cell<State>]) {
         for link in &lists.links[self.links.clone()] {
             let now = |end: usize| read(velocities, lists.members[end].body as usize);
-            let relative = link.relative(link.ends.map(now));
-            let seen = link.ends.map(|end| lists.members[end].seen);
+            let relative = link.relative(link.ends.both(now));
+            let seen = link.ends.both(|end| lists.members[end].seen);
             let bend = link.geometry.bend(seen);
             for row in &mut lists.rows[link.rows.clone()] {
                 row.find_lack(soft, h, &bend, &relative);
@@ -273,12 +274,12 @@ impl Piece {
     #[inline(always)]
     fn find_left(&self, lists: &mut Lists) {
         let change = |place: Option<usize>| match place {
-            Some(place) => self.solution[place].map(|[x, y, z, _]| DVec3::new(x, y, z)),
+            Some(place) => self.solution[place].both(|[x, y, z, _]| DVec3::new(x, y, z)),
             None => [DVec3::ZERO; 2],
         };
         for (link, seat) in lists.links[self.links.clone()].iter().zip(&self.seats) {
-            let [a, b] = seat.places.map(change);
-            let [one, other] = link.geometry.arms.map(Vec3::as_dvec3);
+            let [a, b] = seat.places.both(change);
+            let [one, other] = link.geometry.arms.both(Vec3::as_dvec3);
             let along = (b[0] + b[1].cross(other)) - (a[0] + a[1].cross(one));
             let relative = [along, b[1] - a[1]];
             for row in &mut lists.rows[link.rows.clone()] {
@@ -366,7 +367,7 @@ impl Piece {
                     } else {
                         -compliance
                     };
-                    let direction = [0, 1].map(|side| {
+                    let direction = [0, 1].both(|side| {
                         let place = seat.places[side]?;
                         Some((place, springs::jacobian(link, row, side)))
                     });
@@ -374,7 +375,7 @@ impl Piece {
                     row.border = Some(self.borders.add(direction, corner, &self.factor, is_fused));
                 }
                 if let Some(border) = row.border {
-                    let [lack, compliance] = [row.lack, row.compliance].map(f64::from);
+                    let [lack, compliance] = [row.lack, row.compliance].both(f64::from);
                     let given = row.given_change();
                     let wanted = Wanted::of(row.is_factorized, lack, compliance, given);
                     self.borders.ask(border, wanted);
@@ -603,7 +604,7 @@ impl Piece {
         let mut sum = 0.0;
         for number in self.members.clone() {
             let place = self.factor.place_of(number - self.members.start);
-            let [along, about] = self.solution[place].map(|[x, y, z, _]| DVec3::new(x, y, z));
+            let [along, about] = self.solution[place].both(|[x, y, z, _]| DVec3::new(x, y, z));
             let member = &mut lists.members[number];
             let change = member.allowed(along, about);
             add(velocities, member.body as usize, change);

@@ -1,6 +1,7 @@
 //! The rows of joints in a substep.
 
 use super::member::Member;
+use crate::Both;
 use crate::JointConstraint;
 use crate::joint::{Bend, Geometry, Law, Part, Times, is_angular, take_share};
 use glam::Vec3;
@@ -330,7 +331,7 @@ impl Link {
     pub fn is_stale(&self, members: &[Member]) -> bool {
         let [a, b] = self.motions(members);
         let turned = a[1].length_squared().max(b[1].length_squared());
-        let [one, other] = self.ends.map(|end| members[end].bears_turn);
+        let [one, other] = self.ends.both(|end| members[end].bears_turn);
         let most = one.min(other);
         let [moved, _] = self.relative([a, b]);
         turned > most * most || moved.length_squared() > self.bears_move * self.bears_move
@@ -339,17 +340,17 @@ impl Link {
     /// The motions of A and B since the last refresh, m and rad.
     #[inline]
     fn motions(&self, members: &[Member]) -> [[Vec3; 2]; 2] {
-        [0, 1].map(|side| {
+        [0, 1].both(|side| {
             let now = members[self.ends[side]].drifted;
-            [0, 1].map(|i| now[i] - self.refreshed[side][i])
+            [0, 1].both(|i| now[i] - self.refreshed[side][i])
         })
     }
 
     /// Computes directions and coordinates.
     pub fn point(&mut self, joint: &JointConstraint, rows: &mut [Row], members: &[Member]) {
-        let ends = self.ends.map(|end| &members[end]);
-        self.geometry = Geometry::new(joint, ends.map(|end| end.placement));
-        self.refreshed = ends.map(|end| end.drifted);
+        let ends = self.ends.both(|end| &members[end]);
+        self.geometry = Geometry::new(joint, ends.both(|end| end.placement));
+        self.refreshed = ends.both(|end| end.drifted);
         let Geometry { arms, gap, .. } = self.geometry;
         self.bears_move = MOVED * (arms[0].length() + arms[1].length() + gap.length());
         let rows = &mut rows[self.rows.clone()];
@@ -366,7 +367,7 @@ impl Link {
 
     /// Finds the inverse effective masses of its rows. They give rows their compliances, which stay for a step.
     pub fn find_responses(&self, rows: &mut [Row], members: &[Member]) {
-        let ends = self.ends.map(|end| &members[end]);
+        let ends = self.ends.both(|end| &members[end]);
         for row in &mut rows[self.rows.clone()] {
             row.find_response(&self.geometry, ends);
         }

@@ -13,6 +13,7 @@
 
 use super::factor::{Block, Numbers, Quad, fused};
 use super::row::{Link, Row};
+use crate::Both;
 use glam::{DVec3, Vec3};
 
 /// Three columns of three numbers and a zero.
@@ -71,7 +72,7 @@ impl Springs {
                 }
             }
         }
-        let arms = link.geometry.arms.map(Vec3::as_dvec3);
+        let arms = link.geometry.arms.both(Vec3::as_dvec3);
         let [one, other] = arms;
         Self {
             turned: [
@@ -113,7 +114,7 @@ pub fn jacobian(link: &Link, row: &Row, side: usize) -> Numbers {
 pub fn wrench(link: &Link, side: usize, [push, turn]: [DVec3; 2]) -> Numbers {
     let moment = link.geometry.arms[side].as_dvec3().cross(push) + turn;
     let sign = if side == 0 { -1.0 } else { 1.0 };
-    [push, moment].map(|vector| quad(sign * vector))
+    [push, moment].both(|vector| quad(sign * vector))
 }
 
 #[cfg(test)]

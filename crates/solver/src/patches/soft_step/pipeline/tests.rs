@@ -64,7 +64,7 @@ fn equal<L: F32xN>(masonry: Masonry, batches: fn(usize, &PatchProblem) -> Batche
                             group,
                             apart: 3 * seed,
                         },
-                        delay,
+                        &delay,
                     )
                 });
                 let changes: Vec<f32> = changes.iter().map(|change| change.sum()).collect();
@@ -101,8 +101,7 @@ fn sweeps_that_follow_each_other_are_sweeps_one_by_one() {
 fn a_block_waits_for_the_last_that_holds_one_of_its_bodies() {
     // Body 0 does not move, and body 3 is in no block.
     let blocks = [vec![0, 1], vec![0, 2], vec![1, 2], vec![2, 4]];
-    let blocks = blocks.iter().map(|bodies| bodies.iter().copied());
-    let pipeline = Pipeline::new(blocks, 5, |body| body != 0, Default::default());
+    let pipeline = Pipeline::new(&blocks, 5, &|body| body != 0, Default::default());
     assert_eq!(pipeline.reach, [2, 3, 3, 3]);
     assert_eq!(pipeline.lag, 3);
     assert_eq!(pipeline.bodies, [3, 1, 2, 4]);
@@ -126,7 +125,7 @@ fn sweeps_on_one_thread_follow_each_other_in_groups_and_are_sweeps_one_by_one() 
         apart: 0,
     };
     let mut told = 0;
-    pipeline.run(&passes, island.work(), shares, |_| told += 1);
+    pipeline.run(&passes, island.work(), shares, &mut |_| told += 1);
     assert_eq!(told, passes.len());
     assert!(bits(&island, count, &[]) == bits(&alone, count, &[]));
 }
@@ -146,12 +145,12 @@ fn sweeps_that_follow_the_start_are_sweeps_after_it() {
         let (mut island, _, spring) = placed::<F32x4>(&problem, blocks());
         let pipeline = island.find_pipeline(&problem);
         let mut following = Following::new(&pipeline, sweeps, LARGE + 1).unwrap();
-        let follow = |island: &mut Island<F32x4>, past: usize| {
+        let mut follow = |island: &mut Island<F32x4>, past: usize| {
             following.follow(island.work(), past);
         };
-        island.start_before(&problem, SUBSTEPS, &spring, &passes, follow);
+        island.start_before(&problem, SUBSTEPS, &spring, &passes, &mut follow);
         assert!(bits(&island, count, &[]) == bits(&after, count, &[]));
-        let changes: Vec<f32> = following.changes().collect();
+        let changes = following.changes().to_vec();
         // Sums of the same numbers in another order.
         for (change, expected) in changes.iter().zip(&expected) {
             assert!((change - expected).abs() <= 1e-5 * expected);

@@ -60,8 +60,8 @@ fn equal<L: F32xN>(name: &str, masonry: fn() -> Masonry) {
     );
     assert!(skewed.blocks.len() < alone.blocks.len());
     let mut at_once = Vec::new();
-    let mut found_once = SkewedSweeps::new(&skewed, &problem);
-    skewed.sweep_skewed(&mut found_once, &passes, |change| at_once.push(change));
+    let mut found_once = SkewedSweeps::new(&skewed.batches, &problem);
+    skewed.sweep_skewed(&mut found_once, &passes, &mut |change| at_once.push(change));
 
     // Lanes are added up in another order.
     for (sweep, (a, b)) in one_by_one.iter().zip(&at_once).enumerate() {

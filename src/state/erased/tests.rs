@@ -291,12 +291,12 @@ fn values_are_inserted_with_their_hooks() {
     let mut world = World::new();
     world.init_resource::<Seen>();
     world.add_observer(
-        |new: On<Insert, Name>, all: Query<Has<Number>>, mut seen: ResMut<Seen>| {
+        |new: On<Insert<Name>>, all: Query<Has<Number>>, mut seen: ResMut<Seen>| {
             seen.0.push((true, all.get(new.entity).unwrap()));
         },
     );
     world.add_observer(
-        |new: On<Insert, Number>, all: Query<Has<Name>>, mut seen: ResMut<Seen>| {
+        |new: On<Insert<Number>>, all: Query<Has<Name>>, mut seen: ResMut<Seen>| {
             seen.0.push((false, all.get(new.entity).unwrap()));
         },
     );

@@ -80,13 +80,14 @@ impl Column {
     }
 
     /// The index of the value of a row.
+    #[cfg(feature = "serde")]
     pub fn index_of_row(&self, layout: &Layout, row: usize) -> Option<usize> {
         self.index_of(layout, layout.run_of_row(row), row)
     }
 
-    /// The value of a row.
-    pub fn value_of(&self, layout: &Layout, row: usize) -> Option<Slice<'_>> {
-        Some(self.values.one(self.index_of_row(layout, row)?))
+    /// The value of a row of a run.
+    pub fn value_of(&self, layout: &Layout, run: usize, row: usize) -> Option<Slice<'_>> {
+        Some(self.values.one(self.index_of(layout, run, row)?))
     }
 
     /// Takes the values of a world. `since` is the tick of the last step, if there was one. `kind` is the number of the component on the list.
@@ -150,15 +151,6 @@ impl Column {
         }
         self.values.overwrite(len, cells.values);
         len + cells.values.len()
-    }
-
-    /// Inserts the component into entities that do not have it, by row.
-    pub fn insert(&self, world: &mut World, rows: &[usize], on: On, to: &mut Renaming) {
-        let mut values = rows.iter().filter_map(|&row| {
-            let value = self.value_of(on.layout, row)?;
-            Some((on.entities[row], value))
-        });
-        to.insert_missing(world, self.kind, &mut values);
     }
 
     /// Replaces values that cannot be written in place. Returns true if there were any.
@@ -301,7 +293,7 @@ impl Column {
         let sparse = self.holders.iter().position(|&holder| holder == entity);
         let value = match sparse {
             Some(index) => self.values.one(index),
-            None => self.value_of(layout, row)?,
+            None => self.value_of(layout, layout.run_of_row(row), row)?,
         };
         let mut value = Values::of(value);
         to.apply(&mut value.as_mut());

@@ -1,7 +1,10 @@
 //! New ids for the entities of a snapshot.
 
-use crate::state::erased::{Kind, Slice, SliceMut, Values};
+use crate::state::erased::SliceMut;
+#[cfg(feature = "serde")]
+use crate::state::erased::{Kind, Slice, Values};
 use bevy_ecs::entity::{Entity, EntityHashMap, EntityMapper, SceneEntityMapper};
+#[cfg(feature = "serde")]
 use bevy_ecs::world::World;
 
 /// The entities that those of a snapshot have become.
@@ -23,6 +26,7 @@ impl Renaming<'_, '_> {
     }
 
     /// Inserts values into those of the entities that lack the component.
+    #[cfg(feature = "serde")]
     pub fn insert_missing<'v>(
         &mut self,
         world: &mut World,

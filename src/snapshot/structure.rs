@@ -6,6 +6,7 @@ use super::column::{Column, On};
 use super::layout::{Kinds, KnownKinds, own_tables};
 use super::renaming::Renaming;
 use super::target::{NOWHERE, RowsByIndex, run_with};
+use crate::state::erased::Values;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
 
@@ -133,17 +134,48 @@ impl Differences {
             // It may have been a child of the last one.
             world.try_despawn(entity).ok();
         }
-        let mut rows = Vec::new();
-        for (kind, column) in columns.iter().enumerate() {
-            rows.clear();
-            let lack = self.other.iter().filter(|&&(row, has)| {
-                let wanted = on.layout.runs[on.layout.run_of_row(row)].kinds;
-                wanted.contains(kind) && !has.contains(kind)
-            });
-            rows.extend(lack.map(|&(row, _)| row));
-            if !rows.is_empty() {
-                column.insert(world, &rows, on, to);
-            }
+        let mut parts = Vec::new();
+        for &(row, has) in &self.other {
+            insert_missing(world, columns, on, (row, has), to, &mut parts);
         }
     }
+}
+
+/// Inserts the components that an entity lacks, all at once: each further insertion would move it to another table. `parts` is memory that is used again.
+fn insert_missing(
+    world: &mut World,
+    columns: &[Column],
+    on: On,
+    (row, has): (usize, Kinds),
+    to: &mut Renaming,
+    parts: &mut Vec<Values>,
+) {
+    let run = on.layout.run_of_row(row);
+    let wanted = on.layout.runs[run].kinds;
+    let Ok(mut entity) = world.get_entity_mut(on.entities[row]) else {
+        return;
+    };
+    let mut count = 0;
+    for (kind, column) in columns.iter().enumerate() {
+        if !wanted.contains(kind) || has.contains(kind) {
+            continue;
+        }
+        // Hooks of others may have inserted it meanwhile.
+        let id = column.kind.id(entity.world().components());
+        if id.is_some_and(|id| entity.contains_id(id)) {
+            continue;
+        }
+        let Some(value) = column.value_of(on.layout, run, row) else {
+            continue;
+        };
+        let known = parts.get(count).map(|part| part.kind().type_id());
+        if known != Some(column.kind.type_id()) {
+            parts.truncate(count);
+            parts.push(Values::new(column.kind));
+        }
+        parts[count].overwrite(0, value);
+        to.apply(&mut parts[count].as_mut());
+        count += 1;
+    }
+    Values::insert_all_into(&mut parts[..count], &mut entity);
 }

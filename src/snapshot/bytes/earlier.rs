@@ -27,7 +27,10 @@ impl<'a> Earlier<'a> {
     pub fn value(&self, row: usize) -> Option<Slice<'a>> {
         match self.rows[row] {
             NOWHERE => None,
-            row => self.column.value_of(self.layout, row as usize),
+            row => {
+                let run = self.layout.run_of_row(row as usize);
+                self.column.value_of(self.layout, run, row as usize)
+            }
         }
     }
 }

@@ -8,7 +8,6 @@ use std::alloc::Layout;
 use std::any::TypeId;
 use std::fmt::{self, Debug};
 use std::marker::PhantomData;
-use std::mem::MaybeUninit;
 use std::slice;
 
 /// How the values of a component are written into a world.
@@ -246,14 +245,14 @@ impl Kind {
 /// # Safety
 /// See [`Functions`]. `to` has room for the values, and does not overlap `from`.
 unsafe fn clone<T: Clone>(from: *const u8, to: *mut u8, count: usize) {
-    // SAFETY: By the caller.
-    let (from, to) = unsafe {
-        (
-            slice::from_raw_parts(from.cast::<T>(), count),
-            slice::from_raw_parts_mut(to.cast::<MaybeUninit<T>>(), count),
-        )
-    };
-    to.write_clone_of_slice(from);
+    let (from, to) = (from.cast::<T>(), to.cast::<T>());
+    let mut at = 0;
+    // `write_clone_of_slice` of the standard library is four times as much code, for each type.
+    while at < count {
+        // SAFETY: By the caller, since `at` is less than `count`.
+        unsafe { to.add(at).write(T::clone(&*from.add(at))) };
+        at += 1;
+    }
 }
 
 /// # Safety

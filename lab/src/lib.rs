@@ -14,7 +14,6 @@
 //! |---|---|
 //! | [`scenes`] | walls, stacks, arches, heaps: by name, with noise from a seed |
 //! | [`blows`] | bodies that fall on a stack or are shot at a wall, and how far they move other bodies |
-//! | [`copy`] | the state of a world in another world |
 //! | [`energy`] | the energy that loose bodies gain |
 //! | [`experiment`] | a scene under given settings, stepped and measured |
 //! | [`hashes`] | a hash of all poses and velocities of a simulation |
@@ -37,7 +36,6 @@
 #![deny(unsafe_code)]
 
 pub mod blows;
-pub mod copy;
 pub mod energy;
 pub mod experiment;
 pub mod hashes;

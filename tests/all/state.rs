@@ -14,9 +14,9 @@ use drystone::masonry::{Bond, Wall};
 use drystone::prelude::*;
 use drystone::settings::Preset;
 use drystone::solver::{Nncg, Pgs};
-use drystone_lab::copy::copy_state;
 use drystone_lab::scenes::{Scene, SceneOptions};
 use std::fmt::Debug;
+use support::copy::copy_state;
 
 const DT: f32 = 1.0 / 60.0;
 

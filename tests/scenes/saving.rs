@@ -375,7 +375,7 @@ fn what_falls_goes_on_to_the_same_bits() {
         let map = load(&mut other.world, &text);
         let mut copy = support::Lab::new();
         copy.dt = lab.dt;
-        let copied = drystone_lab::copy::copy_state(&lab.world, &mut copy.world);
+        let copied = support::copy::copy_state(&lab.world, &mut copy.world);
         for &body in &all {
             let transform = |world: &World, body| *world.get::<Transform>(body).unwrap();
             assert_eq!(

@@ -1,6 +1,8 @@
-//! Code that the tests share: a world without an app, functions that spawn bodies, and [`masonry`] with its limits by statics.
+//! Code that the tests share: a world without an app, functions that spawn bodies, the state of a world in another one ([`copy`]), and
+//! [`masonry`] with its limits by statics.
 
 pub mod accuracy;
+pub mod copy;
 pub mod masonry;
 
 use bevy_app::App;

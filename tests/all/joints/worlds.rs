@@ -5,8 +5,8 @@ use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use drystone::prelude::*;
 use drystone::settings::PhysicsThreads;
-use drystone_lab::copy::copy_state;
 use support::Lab;
+use support::copy::copy_state;
 
 /// A chain that swings into a stack of bricks, a rope, a motor and a spring, all kicked.
 fn scene(lab: &mut Lab) -> Vec<Entity> {

@@ -25,7 +25,7 @@ fn supports_do_not_depend_on_the_order_of_links() {
     }
     let mut state = SystemState::<(Res<BodyTable>, Forces, Sleepers)>::new(world);
     let graph = world.resource::<ConstraintGraph>().clone();
-    let (table, forces, sleepers) = state.get(world).unwrap();
+    let (table, forces, sleepers) = state.get_mut(world).unwrap();
     let found = table.iter().find(|(_, body)| body.entity == plank);
     let (slot, _) = found.unwrap();
     let supports = |graph: &ConstraintGraph| {

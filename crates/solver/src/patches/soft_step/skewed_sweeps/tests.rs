@@ -84,7 +84,8 @@ fn equal<L: F32xN>(name: &str, masonry: fn() -> Masonry) {
 
 #[test]
 fn sweeps_in_laps_are_sweeps_one_by_one() {
-    let rows: [(&str, fn() -> Masonry); 6] = [
+    type Row = (&'static str, fn() -> Masonry);
+    let rows: [Row; 6] = [
         ("a stack of 5", || Masonry::stack(5, 0.1)),
         ("a stack of 23", || Masonry::stack(23, 0.0)),
         ("an arch", || Masonry::arch(15, 0.05)),

@@ -85,7 +85,7 @@ pub struct ContactForce {
     pub other: Entity,
     /// The colliders of `body` and `other` with the largest force between them: on child entities, or the bodies themselves.
     pub colliders: [Entity; 2],
-    /// The pair's entity, with its [`Manifold`] and [`ContactImpulses`].
+    /// The pair's entity, with its [`Manifold`](crate::contact::Manifold) and [`ContactImpulses`](crate::contact::ContactImpulses).
     pub pair: Entity,
     /// The total force on `body`, friction included, N, world axes, mean over the step.
     pub force: Vec3,

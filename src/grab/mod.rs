@@ -24,7 +24,7 @@ use glam::{BVec3, Quat, Vec3};
 /// strong the hand is, it does not pull a body through a static one: an infinite limit means as much force as contacts can bear. It corrects
 /// an error in one step at the earliest, even with a `response` of 0.
 ///
-/// A hand lets go of a body that is [disabled](Disabled): the component is removed, so that the body does not hang in the air when it is enabled
+/// A hand lets go of a body that is [disabled](bevy_ecs::entity_disabling::Disabled): the component is removed, so that the body does not hang in the air when it is enabled
 /// again. The clone of a held body is not held.
 ///
 /// ```

@@ -86,7 +86,7 @@ pub fn leaves_envelope(
     u_n.max(u_collision) > (settings.outer_distance() - d) / dt
 }
 
-/// Writes the normal velocities that contact points must reach to the [`ContactTargets`] of all pairs.
+/// Writes the normal velocities that contact points must reach to the [`ContactTargets`](crate::contact::ContactTargets) of all pairs.
 pub fn normal_correction(
     table: Res<BodyTable>,
     (graph, places): (Res<ConstraintGraph>, &Entities),

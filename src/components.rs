@@ -1,6 +1,7 @@
 //! Components by their identifiers, for code that runs rarely. Bevy compiles some thousands of lines for each query, and some hundreds for each
 //! type of a command. What takes an identifier is compiled once.
 
+use crate::solver::sort;
 use bevy_ecs::archetype::{Archetype, ArchetypeEntity, Archetypes};
 use bevy_ecs::component::{ComponentId, Components};
 use bevy_ecs::entity_disabling::Disabled;
@@ -21,10 +22,12 @@ pub(crate) fn any_with(find: FindId) -> impl ReadOnlySystem<In = (), Out = bool>
 /// Whether some entity has all of these components, disabled entities included.
 pub(crate) fn any(components: &Components, archetypes: &Archetypes, all: &[FindId]) -> bool {
     let mut found = false;
-    each_holder(components, archetypes, all, &mut |archetype| {
-        found = !archetype.is_empty();
-        !found
-    });
+    if let Some(ids) = ids_of(components, all) {
+        each_holder(archetypes, &ids, &mut |archetype| {
+            found = !archetype.is_empty();
+            !found
+        });
+    }
     found
 }
 
@@ -34,13 +37,18 @@ pub(crate) fn holders(
     archetypes: &Archetypes,
     all: &[FindId],
 ) -> Vec<Entity> {
+    ids_of(components, all).map_or_else(Vec::new, |ids| holders_of(archetypes, &ids))
+}
+
+/// The entities that have all of these components, disabled ones included.
+pub(crate) fn holders_of(archetypes: &Archetypes, all: &[ComponentId]) -> Vec<Entity> {
     let mut holders = SmallVec::<[&Archetype; 16]>::new();
-    each_holder(components, archetypes, all, &mut |archetype| {
+    each_holder(archetypes, all, &mut |archetype| {
         holders.push(archetype);
         true
     });
     // In the order in which a query has them.
-    holders.sort_unstable_by_key(|archetype| archetype.id());
+    sort::by_key(&mut holders, |archetype| archetype.id().index());
     let mut found = Vec::new();
     for archetype in holders {
         found.extend(archetype.entities().iter().map(ArchetypeEntity::id));
@@ -55,20 +63,21 @@ pub(crate) fn holders_in(world: &World, all: &[FindId]) -> Vec<Entity> {
     found
 }
 
+/// The identifiers of these components, if the world knows all of them.
+fn ids_of(components: &Components, all: &[FindId]) -> Option<SmallVec<[ComponentId; 4]>> {
+    let mut ids = SmallVec::new();
+    for find in all {
+        ids.push(find(components)?);
+    }
+    Some(ids)
+}
+
 /// Calls `visit` with each archetype that has all of these components, until it returns false. The order is not defined.
 fn each_holder<'a>(
-    components: &Components,
     archetypes: &'a Archetypes,
-    all: &[FindId],
+    ids: &[ComponentId],
     visit: &mut dyn FnMut(&'a Archetype) -> bool,
 ) {
-    let mut ids = SmallVec::<[ComponentId; 4]>::new();
-    for find in all {
-        match find(components) {
-            Some(id) => ids.push(id),
-            None => return,
-        }
-    }
     // Most worlds have no entity with the first one.
     let Some(holders) = archetypes.component_index().get(&ids[0]) else {
         return;

@@ -63,7 +63,7 @@ fn main() -> ExitCode {
 }
 
 fn measure(Arguments { quick, only }: Arguments) -> Result<(), Box<dyn Error>> {
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
     let path = docs.join("accuracy.md");
     let before = fs::read_to_string(&path)?;
     let jobs = runs::jobs(|job| {

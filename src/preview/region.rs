@@ -7,6 +7,7 @@ use crate::broadphase::Broadphase;
 use crate::contact::ContactPair;
 use crate::graph::{ConstraintGraph, EdgeKind, WORLD};
 use crate::joint::{self, JointEdge};
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -76,9 +77,9 @@ impl<'w> Region<'w> {
             let pending = pending.into_iter().flat_map(|pending| pending.near(&near));
             let pending = pending.filter(|body| is_body(world, body.entity));
             region.pending.extend(pending);
-            region
-                .pending
-                .sort_unstable_by_key(|body| (body.spawn_order, body.entity));
+            sort::by_key(&mut region.pending, |body| {
+                (body.spawn_order, body.entity.to_bits())
+            });
         }
         region.slots.extend(&region.structure);
         region.slots.extend(broadphase.outside());
@@ -100,7 +101,7 @@ impl<'w> Region<'w> {
         let bereft = slots.filter(|&slot| region.graph.edges_of(slot).any(has_lost));
         region.bereft.extend(bereft);
         let spawn_order = |&slot: &u32| (table.get(slot).map(|body| body.spawn_order), slot);
-        region.slots.sort_unstable_by_key(spawn_order);
+        sort::by_key(&mut region.slots, spawn_order);
         region.slots.dedup();
         Ok(region)
     }

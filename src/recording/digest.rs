@@ -3,6 +3,7 @@
 use crate::body::{BodyIndex, Inactive, Pose, RigidBody, SpawnOrder, Velocity};
 use crate::snapshot::SnapshotError;
 use crate::snapshot::bytes::{mix, read, write};
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 
 /// The hashes of the active bodies, in the order of their slots. Inactive bodies do not change.
@@ -48,7 +49,7 @@ impl Hasher {
         // Bodies with invalid input have no slot.
         let key = |&(slot, hash, _): &(u32, u32, Entity)| u64::from(slot) << 32 | u64::from(hash);
         if !self.found.is_sorted_by_key(key) {
-            self.found.sort_unstable_by_key(key);
+            sort::by_key(&mut self.found, key);
         }
     }
 

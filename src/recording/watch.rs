@@ -10,6 +10,7 @@ use super::resources::{self, AnyResource};
 use crate::body::{Pose, Quarantined, RigidBodyDisabled, SpawnOrder};
 use crate::snapshot::SnapshotError;
 use crate::snapshot::layout::Kinds;
+use crate::solver::sort;
 use crate::state;
 use crate::state::erased::Kind;
 use bevy_ecs::change_detection::Tick;
@@ -307,7 +308,7 @@ impl Watch {
 
     fn find_removed(&mut self, world: &World) {
         let mut removed = std::mem::take(&mut self.removed);
-        removed.sort_unstable_by_key(|removed| removed.entity);
+        sort::by_key(&mut removed, |removed| removed.entity.to_bits());
         removed.dedup_by_key(|removed| removed.entity);
         for Removed { entity, order } in removed {
             if world.get_entity(entity).is_ok() {

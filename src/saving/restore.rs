@@ -8,6 +8,7 @@ use crate::graph::Wrench;
 use crate::joint::JointForces;
 use crate::sensor::SensorOverlap;
 use crate::settings::StepTime;
+use crate::solver::sort;
 use bevy_ecs::entity::{EntityHashMap, EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -131,7 +132,7 @@ pub fn restore(world: &mut World, saved: &mut QueryState<(Entity, &Saved), Allow
         .iter(world)
         .map(|(entity, saved)| (saved.spawn_order, entity))
         .collect();
-    loaded.sort_unstable_by_key(|&(order, entity)| (order, entity.index_u32()));
+    sort::by_key(&mut loaded, |&(order, entity)| (order, entity.index_u32()));
     restore_order(world, &loaded);
     let mut restored = world.remove_resource::<Restored>().unwrap_or_default();
     for (_, entity) in loaded {

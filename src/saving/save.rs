@@ -11,6 +11,7 @@ use crate::settings::{
     Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
 };
+use crate::solver::sort;
 use bevy_ecs::component::ComponentCloneBehavior;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::entity_disabling::Disabled;
@@ -63,7 +64,7 @@ pub fn prepare(world: &mut World) -> Vec<Entity> {
         .iter(world)
         .map(|(entity, order, forces, inside, index)| {
             let mut contacts = contacts.remove(&entity).unwrap_or_default();
-            contacts.sort_unstable_by_key(|&(order, _)| order);
+            sort::by_key(&mut contacts, |&(order, _)| order);
             let saved = Saved {
                 spawn_order: order.0,
                 contacts: contacts.into_iter().map(|(_, contact)| contact).collect(),

@@ -68,7 +68,9 @@ pub use difference::Difference;
 pub use error::SnapshotError;
 
 use crate::body::BodyTable;
+use crate::settings::Columns;
 use crate::settings::PhysicsThreads;
+use crate::solver::join::join;
 use crate::state;
 use bevy_ecs::entity::{Entity, EntityHashMap, SceneEntityMapper};
 use bevy_ecs::prelude::*;
@@ -77,7 +79,6 @@ use bevy_ecs::world::WorldId;
 pub(crate) use column::replace_if_other;
 use column::{Column, On};
 use layout::{KnownKinds, Layout, own_tables};
-use rayon::prelude::*;
 use renaming::Renaming;
 use resource::Kept;
 use std::fmt;
@@ -161,15 +162,10 @@ impl Snapshot {
         let items = layout.entities.len();
         match threads.filter(|threads| threads.runs_in_parallel(items)) {
             Some(threads) => threads.run(items, || {
-                let columns = columns.par_iter_mut().enumerate();
-                let resources = resources.par_iter_mut();
-                rayon::join(
-                    || {
-                        columns
-                            .with_max_len(1)
-                            .for_each(|(kind, column)| take(kind, column))
-                    },
-                    || resources.with_max_len(1).for_each(|kept| kept.take(world)),
+                let kinds = 0..columns.len();
+                join(
+                    || (kinds, &mut **columns).share(1, &|(kind, column)| take(kind, column)),
+                    || (&mut **resources,).share(1, &|(kept,)| kept.take(world)),
                 );
             }),
             None => {

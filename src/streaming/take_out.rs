@@ -11,6 +11,7 @@ use crate::contact::{
 use crate::grab::{Grab, HeldBy};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::settings::{ActiveSettings, StepTime};
+use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
@@ -77,7 +78,9 @@ fn find(
         }
         found.push((state.spawn_order, slot, body));
     }
-    found.sort_unstable();
+    sort::by_key(&mut found, |&(order, slot, body)| {
+        (order, slot, body.to_bits())
+    });
     found.dedup();
     Ok(found
         .into_iter()
@@ -158,7 +161,7 @@ fn copy(
         });
     }
     let entity = |body: &BodyState| body.entity;
-    region.neighbours.sort_unstable_by_key(entity);
+    sort::by_key(&mut region.neighbours, |body| entity(body).to_bits());
     region.neighbours.dedup_by_key(|body| entity(body));
     Ok(region)
 }

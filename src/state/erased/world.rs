@@ -1,6 +1,7 @@
 //! The values of a kind in a world.
 
 use super::{Kind, Slice, SliceMut};
+use crate::components::holders_of;
 use bevy_ecs::change_detection::{AtomicTick, Tick};
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::entity::Entity;
@@ -124,13 +125,7 @@ impl<'w> In<'w> {
 
     /// The entities with the component.
     pub fn holders(self) -> Vec<Entity> {
-        let mut holders = Vec::new();
-        for archetype in self.world.archetypes().iter() {
-            if archetype.contains(self.id) {
-                holders.extend(archetype.entities().iter().map(|entity| entity.id()));
-            }
-        }
-        holders
+        holders_of(self.world.archetypes(), &[self.id])
     }
 
     /// The values of all entities, some at a time.

@@ -24,6 +24,7 @@ use crate::diagnosis::BodyProblem;
 use crate::graph::{ConstraintGraph, Islands, report, with_room};
 use crate::joint;
 use crate::mortar::Mortar;
+use crate::settings::Columns;
 use crate::settings::{Gravity, PhysicsThreads, StabilizationSettings, StepTime};
 use crate::warm_start::SolveContext;
 use bevy_ecs::bundle::NoBundleEffect;
@@ -32,7 +33,6 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use contacts::{Contact, Contacts, Found};
 use groups::{Group, Groups};
-use rayon::prelude::*;
 
 /// Bodies that were spawned by [`spawn_asleep`] since the last step.
 #[derive(Resource, Clone, Debug, Default)]
@@ -287,7 +287,9 @@ impl Finder<'_> {
         }
         let load = |group: &mut Found| loads::load(group, contacts.table, local, context);
         match threads.runs_in_parallel(*portion) {
-            true => threads.run(*portion, || found.par_iter_mut().for_each(load)),
+            true => threads.run(*portion, || {
+                (&mut *found,).share(1, &|(group,)| load(group))
+            }),
             false => found.iter_mut().for_each(load),
         }
         found
@@ -341,8 +343,12 @@ fn each<T: Sync, R: Send>(
     items: &[T],
     function: impl Fn(&T) -> R + Sync + Send,
 ) -> Vec<R> {
-    match threads.runs_in_parallel(work) {
-        true => threads.run(work, || items.par_iter().map(function).collect()),
-        false => items.iter().map(function).collect(),
+    if !threads.runs_in_parallel(work) {
+        return items.iter().map(function).collect();
     }
+    let mut found: Vec<Option<R>> = items.iter().map(|_| None).collect();
+    threads.run(work, || {
+        (items, &mut *found).share(1, &|(item, found)| *found = Some(function(item)));
+    });
+    found.into_iter().flatten().collect()
 }

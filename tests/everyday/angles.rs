@@ -1,0 +1,1 @@
+//! Angles of joints beyond half a turn.

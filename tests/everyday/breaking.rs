@@ -1,0 +1,1 @@
+//! Overloaded structures tear where they are loaded most.

@@ -1,0 +1,1 @@
+//! No bytes abort the process.

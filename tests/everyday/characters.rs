@@ -1,0 +1,1 @@
+//! Characters on lifts, along walls and on moving ground.

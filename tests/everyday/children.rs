@@ -1,0 +1,1 @@
+//! Bodies and colliders below other entities.

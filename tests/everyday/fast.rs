@@ -1,0 +1,1 @@
+//! Fast bodies do not pass through each other.

@@ -1,0 +1,1 @@
+//! Observers that change the world in the middle of a step.

@@ -1,0 +1,1 @@
+//! Joints to bodies that are not simulated.

@@ -1,0 +1,1 @@
+//! Steps of all lengths that are allowed.

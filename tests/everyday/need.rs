@@ -1,0 +1,1 @@
+//! Structures wake when statics say that they must.

@@ -1,0 +1,1 @@
+//! Previews at all lengths of a step.

@@ -1,0 +1,1 @@
+//! Casts from where a shape touches.

@@ -1,0 +1,1 @@
+//! Bodies slide and roll over seams as over one surface.

@@ -1,0 +1,1 @@
+//! Sensors see bodies that arrive asleep.

@@ -1,0 +1,1 @@
+//! Nothing falls asleep that would move.

@@ -1,0 +1,1 @@
+//! Tops, coins and wheels keep their spin.

@@ -194,7 +194,16 @@ impl Parts<'_> {
             return;
         };
         if let Some(normal) = self.constrained(found.normal) {
-            let found = Found { normal, ..found };
+            // Along another normal only faces may touch: the nearest points are those of the edge, and so is their distance.
+            let distance = match normal == found.normal {
+                true => found.distance,
+                false => f64::INFINITY,
+            };
+            let found = Found {
+                normal,
+                distance,
+                ..found
+            };
             round::touch(&a, &b, &found, self.search.reach, self.contact);
         }
     }

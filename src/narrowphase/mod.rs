@@ -10,6 +10,7 @@ mod crowd;
 mod detect;
 mod dispatcher;
 mod forms;
+mod ghosts;
 mod matching;
 mod modify;
 mod parry;
@@ -24,6 +25,7 @@ mod round;
 use crate::body::{BodyState, BodyTable, Pose};
 #[doc(hidden)]
 pub use crowd::crowd;
+use ghosts::Surroundings;
 #[doc(hidden)]
 pub use modify::modify_contacts;
 
@@ -74,6 +76,10 @@ pub fn narrowphase(
                 reach: Reach::new(&stabilization, &manifolds, &time, &gravity),
                 edited: revise_edited!(pair, manifold),
                 revision,
+                around: Some(Surroundings {
+                    table,
+                    graph: &graph,
+                }),
             };
             let columns = (
                 pair.bypass_change_detection(),
@@ -195,6 +201,7 @@ impl Detector {
             reach: self.reach,
             edited: false,
             revision: self.revision,
+            around: None,
         };
         look(&rules, bodies, pair, cache, kept);
     }
@@ -210,6 +217,8 @@ struct Rules<'a> {
     edited: bool,
     /// The revision of the pairs whose contacts are detected anew.
     revision: Revision,
+    /// The bodies that may cover edges. Bodies that are found at rest slide over none.
+    around: Option<Surroundings<'a>>,
 }
 
 /// The data that a pair keeps for each of its points and patches.
@@ -296,6 +305,9 @@ fn look(
                 false => 0.0,
             };
             let near = outer + fall * time.dt + turns;
+            if let Some(around) = &rules.around {
+                around.remove_ghosts(pair.slots, [a, b], outer, manifold);
+            }
             let passing =
                 !manifold.points.is_empty() && passing::pass(a, b, manifold, near, time.dt);
             if passing {

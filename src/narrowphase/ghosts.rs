@@ -1,0 +1,326 @@
+//! Ghost contacts: what slides or rolls over surfaces that lie flush side by side must not hit the edges between them.
+//!
+//! The contact of a ball with a floor brick ahead of it is that brick's nearest edge, and its normal leans against the motion. Alone the brick
+//! would be an obstacle there. But the brick on which the ball rolls ends at the same edge, and its top lies in the same plane: the two together
+//! have no edge. At large steps such contacts lie ahead of the body, and stop it before it is there.
+//!
+//! A contact at point p with normal n is a ghost if another piece covers it. The piece has a face through p; the obstacle does not rise above that
+//! face; and the piece extends beyond p along n, so that n leads through the piece. Pieces are bodies, and the parts of compounds, meshes and height
+//! fields. A step, a gap, the edge of a table and a convex ridge are no ghosts: there is no such face, or the piece ends at p along n.
+//!
+//! Other engines remove such contacts within a mesh: see *ghost vertices* in Box2D and *enhanced internal edge removal* in Jolt.
+
+use crate::body::{BodyState, BodyTable};
+use crate::contact::Manifold;
+use crate::graph::ConstraintGraph;
+use glam::{Vec3, Vec3Swizzles};
+use parry3d::bounding_volume::Aabb;
+use parry3d::math::Pose;
+
+use parry3d::shape::{Shape, Triangle, TypedShape};
+use smallvec::SmallVec;
+
+/// Largest height of a step between flush surfaces, as a share of the smaller body's size.
+const FLUSH: f32 = 2e-3;
+
+/// The same, as a share of the distance beyond which a contact is outside of the envelope.
+const FLUSH_OF_ENVELOPE: f32 = 0.1;
+
+/// A normal belongs to a face if it leans from the face's normal by less than this angle, as a sine.
+const LEANS: f32 = 1e-4;
+
+/// A normal is along a face if the cosine between it and the face's normal is below this.
+const ASIDE: f32 = 0.1;
+
+/// A body with more edges than this is ground, which does not slide over the bodies on it.
+const MAX_EDGES: usize = 512;
+
+/// The bodies that may cover an edge.
+#[derive(Clone, Copy)]
+pub(super) struct Surroundings<'a> {
+    pub table: &'a BodyTable,
+    pub graph: &'a ConstraintGraph,
+}
+
+impl Surroundings<'_> {
+    /// Removes the ghost contacts of a pair. `outer` is the distance beyond which a contact is outside of the envelope, m. Returns true if there
+    /// were some.
+    pub fn remove_ghosts(
+        &self,
+        slots: [u32; 2],
+        bodies: [&BodyState; 2],
+        outer: f32,
+        manifold: &mut Manifold,
+    ) -> bool {
+        let sides = [0, 1].map(|obstacle| Side::new(bodies, slots, obstacle, outer));
+        if sides.iter().all(|side| side.is_smooth()) {
+            return false;
+        }
+        let Manifold {
+            patches, points, ..
+        } = manifold;
+        let before = points.len();
+        let mut kept = 0;
+        for patch in &mut *patches {
+            let range = patch.range_in(before);
+            patch.first = kept as u32;
+            for i in range {
+                let point = points[i];
+                let middle = bodies[0].center + point.arm;
+                let is_ghost = sides.iter().any(|side| {
+                    let normal = side.sign * patch.normal;
+                    side.has_edge_along(normal)
+                        && self.is_ghost(side, middle - 0.5 * point.distance * normal, normal)
+                });
+                if !is_ghost {
+                    points[kept] = point;
+                    kept += 1;
+                }
+            }
+            patch.count = kept as u32 - patch.first;
+        }
+        points.truncate(kept);
+        patches.retain(|patch| patch.count > 0);
+        for patch in patches {
+            let of_it = &points[patch.range_in(kept)];
+            patch.center = of_it.iter().map(|point| point.arm).sum::<Vec3>() / of_it.len() as f32;
+        }
+        kept < before
+    }
+
+    /// Returns true if a contact at a point of the obstacle's surface is covered by another piece.
+    fn is_ghost(&self, side: &Side, at: Vec3, normal: Vec3) -> bool {
+        if self.graph.edges_of(side.other_slot).len() > MAX_EDGES {
+            return false;
+        }
+        let flush = side.flush + 4.0 * f32::EPSILON * at.abs().max_element();
+        let site = Site {
+            at,
+            normal,
+            towards: side.other.center - at,
+            flush,
+        };
+        // The pieces of the obstacle that have this contact, and all others nearby.
+        let mut touched: SmallVec<[Piece; 4]> = SmallVec::new();
+        let mut covers: SmallVec<[Piece; 8]> = SmallVec::new();
+        site.pieces_of(side.obstacle, &mut |piece| match piece.extends(&site) {
+            true => covers.push(piece),
+            false => touched.push(piece),
+        });
+        // A flat box that is beside a triangle may have points in the triangle's middle, with a normal along its plane.
+        let is_inside = touched.is_empty();
+        if is_inside {
+            site.pieces_of(side.obstacle, &mut |piece| touched.push(piece));
+        }
+        for (link, _) in self.graph.edges_at(side.other_slot) {
+            let Some(body) = self.table.get(link.other(side.other_slot)) else {
+                continue;
+            };
+            let is_near = || (body.center - at).length() <= body.radius + flush;
+            if body.entity != side.obstacle.entity && !body.asks_for_hooks() && is_near() {
+                site.pieces_of(body, &mut |piece| {
+                    if piece.extends(&site) {
+                        covers.push(piece);
+                    }
+                });
+            }
+        }
+        covers.iter().any(|cover| {
+            let mut covered = false;
+            cover.faces(&site, |face| {
+                let rises = |piece: &Piece| piece.height_over(at, face) > flush;
+                let counts = !is_inside || face.dot(normal).abs() < ASIDE;
+                covered |= counts && !touched.iter().any(rises);
+            });
+            covered
+        })
+    }
+}
+
+/// A pair, seen from one of its two bodies.
+struct Side<'a> {
+    /// The body whose edges may be covered.
+    obstacle: &'a BodyState,
+    other: &'a BodyState,
+    /// The slot of the other body.
+    other_slot: u32,
+    /// The normal of the pair times this points away from the obstacle.
+    sign: f32,
+    /// Largest height of a step between flush surfaces, m.
+    flush: f32,
+}
+
+impl<'a> Side<'a> {
+    fn new(bodies: [&'a BodyState; 2], slots: [u32; 2], obstacle: usize, outer: f32) -> Self {
+        let size = bodies[0].size.min(bodies[1].size);
+        Self {
+            obstacle: bodies[obstacle],
+            other: bodies[1 - obstacle],
+            other_slot: slots[1 - obstacle],
+            sign: [-1.0, 1.0][obstacle],
+            flush: (FLUSH * size).min(FLUSH_OF_ENVELOPE * outer.max(0.0)),
+        }
+    }
+
+    /// Returns true if the obstacle has no edges.
+    fn is_smooth(&self) -> bool {
+        let shape = self.obstacle.shape().map(Shape::as_typed_shape);
+        matches!(
+            shape,
+            None | Some(TypedShape::HalfSpace(_) | TypedShape::Ball(_) | TypedShape::Capsule(_))
+        )
+    }
+
+    /// Returns false if the normal is certainly not that of an edge. This is the quick answer for most contacts of boxes. Faces of convex bodies
+    /// that another body hits sideways are left out when the contact is detected: see `polyhedra/seams.rs`.
+    fn has_edge_along(&self, normal: Vec3) -> bool {
+        let local = || self.obstacle.pose.rotation.inverse() * normal;
+        if !self.other.shape().is_some_and(Shape::is_convex) {
+            return !self.is_smooth();
+        }
+        match self.obstacle.shape().map(Shape::as_typed_shape) {
+            Some(TypedShape::Cuboid(_)) => {
+                let mut across = local();
+                let along = across.abs().max_position();
+                across[along] = 0.0;
+                across.length_squared() > LEANS * LEANS
+            }
+            Some(TypedShape::Cylinder(_)) => local().xz().length_squared() > LEANS * LEANS,
+            _ => !self.is_smooth(),
+        }
+    }
+}
+
+/// A contact that may be a ghost.
+struct Site {
+    /// The point of the obstacle's surface, world, m.
+    at: Vec3,
+    /// The normal away from the obstacle, world.
+    normal: Vec3,
+    /// The direction to the centre of the other body, world, m.
+    towards: Vec3,
+    /// Tolerance, m.
+    flush: f32,
+}
+
+impl Site {
+    /// Visits the convex pieces of a body at the point.
+    fn pieces_of<'a>(&self, body: &'a BodyState, visit: &mut impl FnMut(Piece<'a>)) {
+        let Some(shape) = body.shape() else { return };
+        let pose = body.pose.to_parry();
+        let at = pose.inverse_transform_point(self.at);
+        let near = Aabb::new(at - self.flush, at + self.flush);
+        match shape.as_typed_shape() {
+            TypedShape::Compound(compound) => {
+                for part in compound.bvh().intersect_aabb(&near) {
+                    let (place, part) = &compound.shapes()[part as usize];
+                    self.piece(Form::Convex(&**part), pose * *place, visit);
+                }
+            }
+            TypedShape::TriMesh(mesh) => {
+                for triangle in mesh.bvh().intersect_aabb(&near) {
+                    self.piece(Form::Triangle(mesh.triangle(triangle)), pose, visit);
+                }
+            }
+            TypedShape::HeightField(field) => {
+                field.map_elements_in_local_aabb(&near, &mut |_, triangle| {
+                    self.piece(Form::Triangle(*triangle), pose, visit);
+                });
+            }
+            _ => self.piece(Form::Convex(shape), pose, visit),
+        }
+    }
+
+    /// Visits a piece if it is at the point.
+    fn piece<'a>(&self, form: Form<'a>, pose: Pose, visit: &mut impl FnMut(Piece<'a>)) {
+        let piece = Piece { form, pose };
+        let at = pose.inverse_transform_point(self.at);
+        if piece.shape().distance_to_local_point(at, true) <= self.flush {
+            visit(piece);
+        }
+    }
+}
+
+enum Form<'a> {
+    Convex(&'a dyn Shape),
+    Triangle(Triangle),
+}
+
+/// A convex piece of a body: its shape, one part of it, or a triangle of its surface.
+struct Piece<'a> {
+    form: Form<'a>,
+    pose: Pose,
+}
+
+impl Piece<'_> {
+    fn shape(&self) -> &dyn Shape {
+        match &self.form {
+            Form::Convex(shape) => *shape,
+            Form::Triangle(triangle) => triangle,
+        }
+    }
+
+    /// How far the piece extends beyond a point along a unit vector, m.
+    fn height_over(&self, at: Vec3, along: Vec3) -> f32 {
+        let (local, way) = self.local(at, along);
+        if let TypedShape::HalfSpace(half_space) = self.shape().as_typed_shape() {
+            return match (way - half_space.normal).length() < LEANS {
+                true => -local.dot(way),
+                false => f32::INFINITY,
+            };
+        }
+        match self.shape().as_support_map() {
+            Some(map) => (map.local_support_point(way) - local).dot(way),
+            None => f32::INFINITY,
+        }
+    }
+
+    /// Returns true if the normal leads through the piece.
+    fn extends(&self, site: &Site) -> bool {
+        self.height_over(site.at, site.normal) > site.flush
+    }
+
+    /// Visits the outward normals, in the world, of the faces whose plane contains the point and that look towards the other body.
+    fn faces(&self, site: &Site, mut visit: impl FnMut(Vec3)) {
+        let (at, towards) = self.local(site.at, site.towards);
+        let mut face = |normal: Vec3, on: Vec3| {
+            if normal.dot(at - on).abs() <= site.flush && normal.dot(towards) > 0.0 {
+                visit(self.pose.rotation * normal);
+            }
+        };
+        match self.shape().as_typed_shape() {
+            TypedShape::Cuboid(cuboid) => {
+                for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+                    let out = axis * at.dot(axis).signum();
+                    face(out, out * cuboid.half_extents);
+                }
+            }
+            TypedShape::ConvexPolyhedron(hull) => {
+                for of_hull in hull.faces() {
+                    let first = of_hull.first_vertex_or_edge as usize;
+                    let corner = hull.vertices_adj_to_face()[first];
+                    face(of_hull.normal, hull.points()[corner as usize]);
+                }
+            }
+            TypedShape::Cylinder(cylinder) => {
+                let end = Vec3::Y * at.y.signum();
+                face(end, end * cylinder.half_height);
+            }
+            TypedShape::Cone(cone) => face(Vec3::NEG_Y, Vec3::NEG_Y * cone.half_height),
+            TypedShape::HalfSpace(half_space) => face(half_space.normal, Vec3::ZERO),
+            TypedShape::Triangle(triangle) => {
+                if let Some(normal) = triangle.normal() {
+                    face(normal, triangle.a);
+                    face(-normal, triangle.a);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// A point and a direction of the world in the frame of the piece.
+    fn local(&self, at: Vec3, along: Vec3) -> (Vec3, Vec3) {
+        let at = self.pose.inverse_transform_point(at);
+        (at, self.pose.rotation.inverse() * along)
+    }
+}

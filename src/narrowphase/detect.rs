@@ -27,7 +27,7 @@ fn separate_coincident(a: &BodyState, b: &BodyState, manifold: &mut Manifold) {
         distance,
         feature: FeatureId::NONE,
     };
-    push(manifold, [a, b], normal, false, smallvec![middle]);
+    push(manifold, [a, b], (normal, false), smallvec![middle], 0.0);
 }
 
 /// A pseudorandom point of the unit cube for a number, by wyhash: <https://github.com/wangyi-fudan/wyhash>. It is written out here because its
@@ -126,7 +126,8 @@ pub(super) fn detect(
     let points: Candidates = points.collect();
     let size = || a.face_size(normal).min(b.face_size(normal));
     let rolls = radius.is_finite() && rolling::rolls(&points, radius, size());
-    push(manifold, [a, b], normal, rolls, points);
+    let outer = rules.stabilization.outer_distance();
+    push(manifold, [a, b], (normal, rolls), points, outer);
     apart
 }
 

@@ -130,7 +130,8 @@ pub(super) fn detect(
         let radius = a.rolling_radius().min(b.rolling_radius());
         let rolls = curved && rolling::rolls(&candidates, radius, size);
         let known = manifold.patches.len();
-        push(manifold, [a, b], normal, rolls, candidates);
+        let outer = rules.stabilization.outer_distance();
+        push(manifold, [a, b], (normal, rolls), candidates, outer);
         if let Some(patch) = manifold.patches.get_mut(known) {
             patch.parts = parts;
         }

@@ -5,6 +5,7 @@ use super::grabs::GrabPlaces;
 use super::joints::Joints;
 use super::kinds::{Kinds, Rigid, Soft};
 use super::pipeline::{self, Pipeline, Work};
+use super::spinners::Spinners;
 use crate::Both;
 use crate::batches::Batches;
 use crate::grab::ActiveGrab;
@@ -140,6 +141,7 @@ pub struct Island<L: F32xN> {
     pub(super) grab_places: GrabPlaces,
     /// Joints. They are solved after all contacts of a sweep.
     pub(super) joints: Joints,
+    pub(super) spinners: Spinners,
     /// Present once there are threads for it.
     pub(super) pipeline: Option<Pipeline>,
 }
@@ -202,6 +204,7 @@ impl<L: F32xN> Island<L> {
             grabs: Vec::new(),
             grab_places: GrabPlaces::default(),
             joints: Joints::default(),
+            spinners: Spinners::default(),
             pipeline: None,
         }
     }
@@ -307,7 +310,9 @@ impl<L: F32xN> Island<L> {
             pass.end(velocity, before, motion);
         }
         self.drift_joints(pass, pass.extrapolates);
+        self.turn_spinners(pass, pass.extrapolates);
         self.end_joints(pass);
+        self.carry_spins(pass);
         held_change + change + jointed_change
     }
 
@@ -340,7 +345,8 @@ impl<L: F32xN> Island<L> {
         let kept = self.pipeline.take();
         let overlaps = pipeline::is_worthwhile(problem.threads, self.bytes())
             && self.alone
-            && self.joints.is_empty();
+            && self.joints.is_empty()
+            && self.spinners.is_empty();
         overlaps.then(|| kept.unwrap_or_else(|| self.find_pipeline(problem)))
     }
 

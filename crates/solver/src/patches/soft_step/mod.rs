@@ -59,6 +59,7 @@ mod quiet;
 mod refresh;
 mod settling;
 mod skewed_sweeps;
+mod spinners;
 mod surface;
 mod sweep_budget;
 mod together;
@@ -222,7 +223,8 @@ impl SoftStep {
         let (budget, bounces) = self.begin::<L>(problem, &mut scratch);
         let gaps = Gaps::of(problem);
         let hits = blows::expected(problem, &gaps);
-        let straight = hits || budget.downwards || !problem.joints.is_empty();
+        let spins = spinners::any(problem);
+        let straight = hits || spins || budget.downwards || !problem.joints.is_empty();
         let mut kept = Kept::<L>::of(kept, problem, self.lanes, batches, straight);
         let island = &mut kept.island;
         // With so few sweeps, passing blocks from core to core takes longer than a second thread saves.
@@ -239,8 +241,8 @@ impl SoftStep {
             true => first_round(passes, problem.effort),
             false => passes.len(),
         });
-        // Where blows are expected, each sweep ends before the next begins.
-        let may_follow = if hits { 0 } else { first.len() };
+        // Where blows are expected or bodies spin, each sweep ends before the next begins.
+        let may_follow = if hits || spins { 0 } else { first.len() };
         let (free_merit, changes) =
             island.start_and_sweep(problem, budget.substeps, &spring, (passes, may_follow));
         drop(span);

@@ -233,6 +233,8 @@ impl<L: F32xN> Island<L> {
         then: &mut dyn FnMut(&mut Self, usize),
     ) -> f32 {
         self.begin(problem, substeps);
+        self.spinners
+            .begin(problem, &self.joints, &self.batches, substeps);
         self.push(problem.bodies, 1.0 / substeps as f32);
         let h = problem.dt / substeps as f32;
         self.grab_places.begin(problem, h, &mut self.grabs);
@@ -294,5 +296,6 @@ impl<L: F32xN> Island<L> {
             body.motion = Some(motion.both(|m| m.truncate() / problem.dt));
         }
         self.joints.store(problem, &self.motions, rate);
+        self.spinners.store(problem, &self.motions);
     }
 }

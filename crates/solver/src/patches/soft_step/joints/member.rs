@@ -220,6 +220,15 @@ impl Member {
         found
     }
 
+    /// The principal axis about which the body turns with most of this spin, at the beginning of the step, if there is one.
+    pub fn axis_of(&self, spin: Vec3) -> Option<Vec3> {
+        let (axes, _) = principal(&self.start_inertia);
+        let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
+        axes.into_iter()
+            .map(|axis| axis.normalize_or_zero())
+            .find(|axis| 2.0 * axis.dot(spin).powi(2) > spin.length_squared())
+    }
+
     /// Whether it was faster than `put` (m/s and rad/s) after the last solve.
     pub fn is_faster(&self, put: f32) -> bool {
         self.seen

@@ -40,7 +40,7 @@ use crate::{JointConstraint, Lanes, PatchProblem};
 use glam::{Mat3, Vec3};
 pub use leaf::Contacts;
 use leaf::{LeafPatch, read};
-use member::Member;
+pub use member::Member;
 use piece::{Lists, Piece};
 use row::{Link, Row};
 use std::cell::Cell;

@@ -201,9 +201,11 @@ impl<L: F32xN> Island<L> {
             *now = *ended + gained.extend(0.0);
         }
         if !pass.extrapolates {
-            // The next step loads them anew.
+            // The next step loads them anew. Islands that are solved together are not kept.
             for end in &self.spinners.ends {
-                self.loaded[end.patch] = Revision::default();
+                if let Some(loaded) = self.loaded.get_mut(end.patch) {
+                    *loaded = Revision::next();
+                }
             }
         }
     }

@@ -32,6 +32,10 @@ const LEANS: f32 = 1e-4;
 /// A normal is along a face if the cosine between it and the face's normal is below this.
 const ASIDE: f32 = 0.1;
 
+/// Bodies with flat faces that tilt against each other touch with the normal of a face of one of them. It is no ghost if the cosine between it and the
+/// covering face is larger than this (3°).
+const TILTED: f32 = 0.9986;
+
 /// A body with more edges than this is ground, which does not slide over the bodies on it.
 const MAX_EDGES: usize = 512;
 
@@ -59,10 +63,17 @@ impl Surroundings<'_> {
         let Manifold {
             patches, points, ..
         } = manifold;
+        let is_curved = bodies.iter().any(|body| body.is_curved());
+        let are_convex = bodies
+            .iter()
+            .all(|body| body.shape().is_some_and(Shape::is_convex));
         let before = points.len();
         let mut kept = 0;
         for patch in &mut *patches {
             let range = patch.range_in(before);
+            // A ball may be a part of a compound.
+            let is_round = patch.curved || is_curved || patch.count == 1 && !are_convex;
+            let max_cosine = if is_round { f32::INFINITY } else { TILTED };
             patch.first = kept as u32;
             for i in range {
                 let point = points[i];
@@ -70,7 +81,11 @@ impl Surroundings<'_> {
                 let is_ghost = sides.iter().any(|side| {
                     let normal = side.sign * patch.normal;
                     side.has_edge_along(normal)
-                        && self.is_ghost(side, middle - 0.5 * point.distance * normal, normal)
+                        && self.is_ghost(
+                            side,
+                            middle - 0.5 * point.distance * normal,
+                            (normal, max_cosine),
+                        )
                 });
                 if !is_ghost {
                     points[kept] = point;
@@ -88,8 +103,9 @@ impl Surroundings<'_> {
         kept < before
     }
 
-    /// Returns true if a contact at a point of the obstacle's surface is covered by another piece.
-    fn is_ghost(&self, side: &Side, at: Vec3, normal: Vec3) -> bool {
+    /// Returns true if a contact at a point of the obstacle's surface is covered by another piece. A normal is that of a face if the cosine between
+    /// the two is larger than `max_cosine`.
+    fn is_ghost(&self, side: &Side, at: Vec3, (normal, max_cosine): (Vec3, f32)) -> bool {
         if self.graph.edges_of(side.other_slot).len() > MAX_EDGES {
             return false;
         }
@@ -111,6 +127,9 @@ impl Surroundings<'_> {
         let is_inside = touched.is_empty();
         if is_inside {
             site.pieces_of(side.obstacle, &mut |piece| touched.push(piece));
+            if !touched.iter().all(Piece::is_triangle) {
+                return false;
+            }
         }
         for (link, _) in self.graph.edges_at(side.other_slot) {
             let Some(body) = self.table.get(link.other(side.other_slot)) else {
@@ -129,8 +148,8 @@ impl Surroundings<'_> {
             let mut covered = false;
             cover.faces(&site, |face| {
                 let rises = |piece: &Piece| piece.height_over(at, face) > flush;
-                let counts = !is_inside || face.dot(normal).abs() < ASIDE;
-                covered |= counts && !touched.iter().any(rises);
+                let limit = if is_inside { ASIDE } else { max_cosine };
+                covered |= face.dot(normal) < limit && !touched.iter().any(rises);
             });
             covered
         })
@@ -253,6 +272,10 @@ struct Piece<'a> {
 }
 
 impl Piece<'_> {
+    fn is_triangle(&self) -> bool {
+        matches!(self.form, Form::Triangle(_))
+    }
+
     fn shape(&self) -> &dyn Shape {
         match &self.form {
             Form::Convex(shape) => *shape,

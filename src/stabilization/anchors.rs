@@ -238,16 +238,13 @@ fn holds(
 ) -> bool {
     let patch = &manifold.patches[number];
     let of_patch = &impulses.patches[number];
-    let (mut normal, mut squares, mut moment) = (0.0, 0.0, Vec3::ZERO);
+    let (mut normal, mut lever) = (0.0, 0.0);
     let range = manifold.range(patch);
     let solved = &impulses.points[range.clone()];
     for (point, impulse) in manifold.points[range.clone()].iter().zip(solved) {
         normal += impulse.normal;
-        let arm = point.arm - patch.center;
-        squares += impulse.normal * arm.length_squared();
-        moment += impulse.normal * arm;
+        lever += impulse.normal * (point.arm - patch.center).length();
     }
-    let lever = (normal * squares - moment.length_squared()).max(0.0).sqrt();
     let tangential = match impulses.friction.get(range.clone()) {
         Some(points) => points.iter().map(|point| point.tangential).sum(),
         None => of_patch.tangential,

@@ -70,8 +70,8 @@ fn holds(friction: f32, given: &ContactImpulse, share: f32) -> bool {
     given.normal > 0.0 && given.tangential.length() < share * friction * given.normal
 }
 
-/// Returns true if the points of a patch can hold the moment of friction `twist` about its normal, N·m·s. `lever` is the sum of its normal
-/// impulses times their distance from the centre of the load, N·m·s.
+/// Returns true if the points of a patch can hold the moment of friction `twist` about its normal, N·m·s. `lever` = Σ λ_n r, where r is
+/// the distance of a point from the patch's centre, N·m·s.
 #[inline]
 pub fn holds_twist(friction: f32, twist: f32, lever: f32) -> bool {
     twist == 0.0 || twist.abs() < AT_THE_CONE * friction * lever

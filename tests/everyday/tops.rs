@@ -122,7 +122,7 @@ fn an_upright_top_keeps_its_spin() {
     }
 }
 
-/// A wheel that rolls upright keeps its speed and its way, and a disk that spins on its edge like a coin keeps its spin.
+/// A wheel that rolls upright keeps its speed and its way. A disk that spins on its edge like a coin is slowed by friction across its width only.
 #[test]
 fn wheels_and_coins_keep_their_spin() {
     let surface = (Friction::new(0.8), RollingFriction::new(0.0));

@@ -9,12 +9,12 @@
 //! The module [`carry`](super::carry) loads patches into a block and stores them.
 
 use super::locks::{Ease, Locks, PushLocked};
-use crate::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN, square_length};
+use crate::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
-/// The radius of a point against creeping twist, as a share of the radius of gyration about its normal. A body that is pinched between two points
-/// turns about them, and without any friction there it would never come to rest.
-pub(super) const SPOT: f32 = 0.003;
+/// The smallest radius of a point, as a share of the radius of gyration about its normal. A body that is pinched between two points turns
+/// about them, and without any friction there it would never come to rest.
+const SPOT: f32 = 0.003;
 
 /// The parameters of one pass.
 #[derive(Clone, Copy, Debug)]
@@ -163,8 +163,8 @@ pub struct Block<L: F32xN> {
     pub(super) compliance_twist: L,
     /// Mean distance of its points from its centre, m.
     pub(super) radius: L,
-    /// Radius of gyration about the normal, m.
-    pub(super) gyration: L,
+    /// 1 where points have a finite size, 0 under [spinners](super::spinners).
+    pub(super) has_spots: L,
     pub(super) tangential: [L; 2],
     pub(super) twist: L,
     /// Friction impulses of the substeps before this one, summed, N·s.
@@ -193,8 +193,8 @@ pub struct Block<L: F32xN> {
 pub struct Points<L> {
     pub(super) x: L,
     pub(super) y: L,
-    /// The square of the distance from the centre, m².
-    pub(super) square_radius: L,
+    /// Distance from the centre, m; at least the radius of a point of finite size.
+    pub(super) radius: L,
     /// Distance beyond the ideal one, as detected, m.
     pub(super) separation: L,
     /// Separation in this substep where its spring no longer reaches, and 0 where the spring pushes, m.
@@ -218,6 +218,7 @@ impl<L: F32xN> Block<L> {
             bodies: [L::bodies(null_body); 2],
             targets: [L::bodies(null_target); 2],
             null_target,
+            has_spots: L::ONE,
             ..Default::default()
         }
     }
@@ -300,12 +301,12 @@ impl<L: F32xN> Block<L> {
             self.rolling_mass = [zz * determinant, yy * determinant, -yz * determinant];
         }
         self.radius = L::ZERO;
-        self.gyration = (self.twist_mass * self.normals.xx).sqrt();
+        let spot = self.has_spots * L::splat(SPOT) * (self.twist_mass * self.normals.xx).sqrt();
         for point in points {
             let along = point.direction();
-            let square = square_length([point.x, point.y]);
-            self.radius = self.share.mul_add(square.sqrt(), self.radius);
-            point.square_radius = square;
+            point.radius = point.x.mul_add(point.x, point.y * point.y).sqrt();
+            self.radius = self.share.mul_add(point.radius, self.radius);
+            point.radius = point.radius.max(spot);
             point.effect = self.normals.apply(along);
             let used = point.mass.select_above(L::ZERO, L::ONE, L::ZERO);
             point.mass = used * (along.dot(point.effect) + ease.linear).inverse();

@@ -233,8 +233,7 @@ impl<L: F32xN> Island<L> {
         then: &mut dyn FnMut(&mut Self, usize),
     ) -> f32 {
         self.begin(problem, substeps);
-        self.spinners
-            .begin(problem, &self.joints, &self.batches, substeps);
+        self.begin_spinners(problem, substeps);
         self.push(problem.bodies, 1.0 / substeps as f32);
         let h = problem.dt / substeps as f32;
         self.grab_places.begin(problem, h, &mut self.grabs);

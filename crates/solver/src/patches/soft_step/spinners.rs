@@ -1,46 +1,69 @@
-//! Spinners: bodies that turn by much in a step while contacts hold them, such as tops, coins and wheels.
+//! Spinners: tops, which spin fast about their axis while they stand on it.
 //!
 //! The gyroscopic term rotates the angular velocity of a body about its spin. If contacts were solved for the whole step first and the term came
-//! after them, both would be wrong for a spin that turns by a large angle in a step: the friction at the tip of a top would hold a point that is
-//! about to swing away. So each substep of a spinner ends with its own gyroscopic change, and its inertia turns with it. Its arms swing with the
-//! principal axis that it spins about, but do not turn about it: the tip of a top lies on that axis, and a wheel touches the ground with other points from
-//! substep to substep.
+//! after them, both would be wrong for a spin that turns by a large angle in a step: the friction at the tip would hold a point that is about to swing
+//! away. So each substep of a spinner ends with its own gyroscopic change. Its inertia and its arms swing with its axis, because all of its contacts lie
+//! there. A wheel is no spinner: it touches the ground with other points from substep to substep.
 
 use super::block::Pass;
 use super::island::Island;
-use super::joints::{Joints, Member};
+use super::joints::Member;
+use crate::Body;
 use crate::Both;
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, State};
 use crate::revision::Revision;
-use crate::{Body, body::trace};
 use glam::{Quat, Vec3, Vec4};
 
 /// A body is a spinner if it turns by more than this in a step, rad.
 const FAST: f32 = 0.05;
 
-/// The inertia of a body counts as that of a ball if its moments differ by less than this share of their sum. A ball has no gyroscopic term.
-const ALIKE: f32 = 1e-3;
+/// A patch lies on the axis if the angle between them is below this, as a sine.
+const ON_AXIS: f32 = 0.2;
 
-/// Whether the solver turns a body in its substeps.
-fn spins(body: &Body, dt: f32) -> bool {
+/// Whether a body may be a spinner. This is false for most bodies.
+fn is_fast(body: &Body, dt: f32) -> bool {
     let turns = body.start[1].length_squared() * dt * dt > FAST * FAST;
-    turns && body.inverse_mass > 0.0 && !body.is_upright() && !is_alike(body)
+    turns && body.inverse_mass > 0.0 && !body.is_upright()
 }
 
-fn is_alike(body: &Body) -> bool {
-    let i = body.inverse_inertia;
-    let third = trace(&i) / 3.0;
-    let others = [i.x_axis.x, i.y_axis.y, i.z_axis.z].map(|moment| moment - third);
-    let mixed = [i.x_axis.y, i.x_axis.z, i.y_axis.z];
-    let largest = others.into_iter().chain(mixed).map(f32::abs);
-    largest.fold(0.0, f32::max) < ALIKE * third
+/// Whether a body with this axis stands on it: its centre of mass and all of its contacts lie on the axis.
+fn stands_on(axis: Vec3, body: u32, problem: &PatchProblem) -> bool {
+    let arms = problem.patches.iter().flat_map(|patch| {
+        let ends = patch.bodies.into_iter().zip(patch.arms);
+        ends.filter(|&(of, _)| of == body).map(|(_, arm)| arm)
+    });
+    let mut touches = false;
+    for arm in arms {
+        touches = true;
+        if axis.cross(arm).length_squared() > (ON_AXIS * ON_AXIS) * arm.length_squared() {
+            return false;
+        }
+    }
+    touches
+}
+
+/// The spinners of a problem.
+fn spinners(problem: &PatchProblem) -> impl Iterator<Item = Spinner> {
+    let bodies = (0..).zip(problem.bodies.iter());
+    let fast = bodies.filter(|(_, body)| is_fast(body, problem.dt));
+    fast.filter_map(|(number, body)| {
+        let mut member = Member::new(number);
+        member.begin(body);
+        let axis = member.axis_of_symmetry(body.start[1])?;
+        stands_on(axis, number, problem).then_some(Spinner {
+            member,
+            axis,
+            swing: Quat::IDENTITY,
+            last_swing: Quat::IDENTITY,
+        })
+    })
 }
 
 /// Whether some body of a problem is a spinner.
 pub fn any(problem: &PatchProblem) -> bool {
-    problem.bodies.iter().any(|body| spins(body, problem.dt))
+    problem.joints.is_empty() && spinners(problem).next().is_some()
 }
 
 /// The spinners of an island during a step. Bodies with joints are none, because joints turn their bodies in substeps anyway.
@@ -54,8 +77,8 @@ pub struct Spinners {
 
 struct Spinner {
     member: Member,
-    /// The principal axis that it spins about, at the beginning of the step, if there is one.
-    axis: Option<Vec3>,
+    /// The axis that it spins about, at the beginning of the step.
+    axis: Vec3,
     /// How that axis has swung since the beginning of the step.
     swing: Quat,
     /// How it has swung in the last substep.
@@ -79,28 +102,13 @@ impl Spinners {
         self.spinners.is_empty()
     }
 
-    /// Finds the spinners of a step.
-    pub fn begin(
-        &mut self,
-        problem: &PatchProblem,
-        joints: &Joints,
-        batches: &Batches,
-        substeps: usize,
-    ) {
+    /// Finds the spinners of a step. Islands with joints have none.
+    pub fn begin(&mut self, problem: &PatchProblem, batches: &Batches, substeps: usize) {
         self.spinners.clear();
         self.ends.clear();
         self.h = problem.dt / substeps as f32;
-        for (number, body) in problem.bodies.iter().enumerate() {
-            if spins(body, problem.dt) && !joints.hold(number) {
-                let mut member = Member::new(number as u32);
-                member.begin(body);
-                self.spinners.push(Spinner {
-                    axis: member.axis_of(body.start[1]),
-                    member,
-                    swing: Quat::IDENTITY,
-                    last_swing: Quat::IDENTITY,
-                });
-            }
+        if problem.joints.is_empty() {
+            self.spinners.extend(spinners(problem));
         }
         if self.spinners.is_empty() {
             return;
@@ -138,6 +146,16 @@ impl Spinners {
 }
 
 impl<L: F32xN> Island<L> {
+    /// Finds the spinners of a step.
+    pub fn begin_spinners(&mut self, problem: &PatchProblem, substeps: usize) {
+        self.spinners.begin(problem, &self.batches, substeps);
+        for end in &self.spinners.ends {
+            // Friction of a finite spot would stop the spin.
+            self.blocks[end.block].has_spots[end.lane] = 0.0;
+            self.prepared = false;
+        }
+    }
+
     /// Turns the spinners after a drift.
     pub fn turn_spinners(&mut self, pass: &Pass, velocities_are_extrapolated: bool) {
         if pass.drift.is_none() {
@@ -154,12 +172,10 @@ impl<L: F32xN> Island<L> {
             let motion = &mut self.motions[member.body as usize];
             let turn = Quat::from_scaled_axis(*h * velocity[1]) * member.placement.turned;
             // Contacts do not see how far it has spun, only how far its axis has swung.
-            if let Some(axis) = spinner.axis {
-                let swing = Quat::from_rotation_arc(axis, turn * axis);
-                spinner.last_swing = swing * spinner.swing.inverse();
-                spinner.swing = swing;
-                motion[1] = swing.to_scaled_axis().extend(0.0);
-            }
+            let swing = Quat::from_rotation_arc(spinner.axis, turn * spinner.axis);
+            spinner.last_swing = swing * spinner.swing.inverse();
+            spinner.swing = swing;
+            motion[1] = swing.to_scaled_axis().extend(0.0);
             member.drift(velocity, motion.both(Vec4::truncate), *h);
             member.refresh();
         }
@@ -203,6 +219,7 @@ impl<L: F32xN> Island<L> {
         if !pass.extrapolates {
             // The next step loads them anew. Islands that are solved together are not kept.
             for end in &self.spinners.ends {
+                self.blocks[end.block].has_spots[end.lane] = 1.0;
                 if let Some(loaded) = self.loaded.get_mut(end.patch) {
                     *loaded = Revision::next();
                 }

@@ -1,6 +1,6 @@
 //! One visit to a block: relaxes its rows and applies their impulses to the bodies.
 
-use super::block::{Block, Pass, Points, SPOT, on_normals_local};
+use super::block::{Block, Pass, Points, on_normals_local};
 use super::kinds::Kinds;
 use crate::lanes::{F32xN, Kernel, SpatialVec, State, Vec3xN, square_length, squared};
 use std::cell::Cell;
@@ -41,8 +41,7 @@ struct Visit<L> {
 pub(super) struct Carried<L> {
     /// Σλ_n, N·s.
     pub(super) all: L,
-    /// Σλ_n times the distances from the centre of the load, N·m·s: a body on one of its points spins about that point, wherever its other
-    /// points are. It is their root mean square, which equals their mean if all distances are equal.
+    /// Σλ_n times the distances from the centre, N·m·s.
     lever: L,
 }
 
@@ -169,16 +168,11 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// The largest moment about the normal that friction can give, N·m·s, at a spin about it, rad/s. A point has no extent for a fast spin: a top
-    /// keeps on turning.
+    /// The largest moment about the normal that friction can give, N·m·s.
     #[inline(always)]
-    pub(super) fn most_twist(&self, carried: &Carried<L>, spin: L) -> L {
-        let speed = L::splat(1.0 / CREEP) * self.gyration * spin;
-        let fast = speed.mul_add(speed, L::ONE);
-        let spot = L::splat(SPOT) * self.gyration * (fast * fast).inverse();
-        let lever = spot.mul_add(carried.all, carried.lever);
+    pub(super) fn most_twist(&self, carried: &Carried<L>) -> L {
         self.friction
-            .mul_add(lever, self.rolling_lever * carried.all)
+            .mul_add(carried.lever, self.rolling_lever * carried.all)
     }
 
     /// Moves the anchor of a sliding patch along. The springs of friction (or their anchor position where none is set yet) stretch no
@@ -223,7 +217,7 @@ impl<L: F32xN> Block<L> {
             let given_back = hold.impulse_scale * (self.held_twist - self.twist);
             start = mass.neg_mul_add(hold.back_twist, given_back);
         }
-        let limit = self.most_twist(carried, visit.velocity.angular.x);
+        let limit = self.most_twist(carried);
         let twist = mass.neg_mul_add(visit.velocity.angular.x, start);
         let twist = twist.min(limit - self.twist).max(-limit - self.twist);
         let found = of::<_, _, SOFT>(kinds, self.twist + twist, self.twist);
@@ -491,7 +485,7 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Drag<'_, L, K> {
             pull_twist,
         } = self;
         let play = L::splat(PLAY);
-        let limit = block.most_twist(&carried, L::ZERO);
+        let limit = block.most_twist(&carried);
         let reach = block
             .compliance_twist
             .mul_add(limit, play * block.radius.inverse());
@@ -746,19 +740,12 @@ impl<L: F32xN> Points<L> {
 impl<L: F32xN> Carried<L> {
     #[inline(always)]
     pub(super) fn by(points: &[Points<L>]) -> Self {
-        let (mut all, mut squares) = (L::ZERO, L::ZERO);
-        let mut moments = [L::ZERO; 2];
+        let (mut all, mut lever) = (L::ZERO, L::ZERO);
         for point in points {
             all += point.impulse;
-            squares = point.impulse.mul_add(point.square_radius, squares);
-            moments[0] = point.impulse.mul_add(point.x, moments[0]);
-            moments[1] = point.impulse.mul_add(point.y, moments[1]);
+            lever = point.impulse.mul_add(point.radius, lever);
         }
-        let lever = all.mul_sub(squares, square_length(moments)).max(L::ZERO);
-        Self {
-            all,
-            lever: lever.sqrt(),
-        }
+        Self { all, lever }
     }
 }
 

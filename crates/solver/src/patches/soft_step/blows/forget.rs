@@ -61,7 +61,7 @@ impl<L: F32xN> Block<L> {
         }
         // Friction decreases in proportion; twist is limited by the remaining impulses.
         let gone = (all - left) * all.inverse();
-        let most = self.most_twist(&Carried::by(points), L::ZERO);
+        let most = self.most_twist(&Carried::by(points));
         let twist = (L::ONE - gone) * self.twist;
         let twist = lanes.select_above(L::ZERO, twist.min(most).max(-most), self.twist);
         let friction = [

@@ -9,6 +9,9 @@ use glam::{DMat3, DVec3, Mat3, Quat, Vec3, Vec4};
 /// The inverse inertia of a body counts as singular if its determinant is smaller than this, as a share of its trace cubed.
 const SINGULAR: f64 = 1e-13;
 
+/// Moments of inertia that differ by less than this share are those of a body with an axis of symmetry.
+const ALIKE: f64 = 0.02;
+
 /// The inertia about an axis about which a body does not turn, and the mass along one along which it does not move, as a factor of the others.
 const LOCKED: f64 = 1e7;
 
@@ -220,13 +223,17 @@ impl Member {
         found
     }
 
-    /// The principal axis about which the body turns with most of this spin, at the beginning of the step, if there is one.
-    pub fn axis_of(&self, spin: Vec3) -> Option<Vec3> {
-        let (axes, _) = principal(&self.start_inertia);
-        let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
-        axes.into_iter()
-            .map(|axis| axis.normalize_or_zero())
-            .find(|axis| 2.0 * axis.dot(spin).powi(2) > spin.length_squared())
+    /// The axis of symmetry at the beginning of the step, if the body has one and turns mostly about it.
+    pub fn axis_of_symmetry(&self, spin: Vec3) -> Option<Vec3> {
+        let (axes, moments) = principal(&self.start_inertia);
+        let axes = [axes.x_axis, axes.y_axis, axes.z_axis].map(Vec3::normalize_or_zero);
+        let moments = moments.to_array();
+        (0..3)
+            .map(|i| (axes[i], moments[(i + 1) % 3], moments[(i + 2) % 3]))
+            .find_map(|(axis, one, other)| {
+                let is_its = 2.0 * axis.dot(spin).powi(2) > spin.length_squared();
+                (is_its && (one - other).abs() < ALIKE * one).then_some(axis)
+            })
     }
 
     /// Whether it was faster than `put` (m/s and rad/s) after the last solve.

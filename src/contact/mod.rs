@@ -331,8 +331,7 @@ impl Manifold {
 pub struct ManifoldPatch {
     /// Unit vector from B to A, world axes.
     pub normal: Vec3,
-    /// The mean of its points, from the centre of mass of A at detection, world axes, m. Points outside of the collision envelope do not count
-    /// if some are inside: a top that spins on its tip has points at its rim, which it may reach within the step.
+    /// The mean of its points, from the centre of mass of A at detection, world axes, m.
     pub center: Vec3,
     /// Index of its first point.
     pub first: u32,
@@ -350,19 +349,6 @@ impl ManifoldPatch {
     pub(crate) fn range_in(&self, points: usize) -> std::ops::Range<usize> {
         let first = (self.first as usize).min(points);
         first..first.saturating_add(self.count as usize).min(points)
-    }
-
-    /// The centre of these points, for an envelope that ends at the distance `outer`, m.
-    pub(crate) fn center_of(points: &[ContactPoint], outer: f32) -> Vec3 {
-        let mean = |inside: &dyn Fn(&ContactPoint) -> bool| {
-            let points = points.iter().filter(|point| inside(point));
-            let (sum, count) = points.fold((Vec3::ZERO, 0), |(sum, count), point| {
-                (sum + point.arm, count + 1)
-            });
-            (count > 0).then(|| sum / count as f32)
-        };
-        let inside = mean(&|point| point.detected <= outer);
-        inside.or_else(|| mean(&|_| true)).unwrap_or_default()
     }
 }
 

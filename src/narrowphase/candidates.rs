@@ -46,7 +46,7 @@ pub(super) fn sort_deepest_first(points: &mut [Candidate]) {
     }
 }
 
-/// Adds a patch, its deepest point first. `outer` is the distance beyond which a contact is outside of the envelope, m.
+/// Adds a patch, its deepest point first.
 ///
 /// The solver visits points in this order. With few iterations, the points visited first take more than their share of the load. If that is
 /// always the same corner, the body leans over it; if it is the deepest point, the body is righted. This reduces the drift of walls and stacks
@@ -54,9 +54,9 @@ pub(super) fn sort_deepest_first(points: &mut [Candidate]) {
 pub(super) fn push(
     manifold: &mut Manifold,
     bodies: [&BodyState; 2],
-    (normal, curved): (Vec3, bool),
+    normal: Vec3,
+    curved: bool,
     mut points: Candidates,
-    outer: f32,
 ) {
     if points.is_empty() {
         return;
@@ -64,7 +64,14 @@ pub(super) fn push(
     sort_deepest_first(&mut points);
     let arm = |point: &Candidate| point.position - bodies[0].center;
     let normal = Vec3::select(normal.abs().cmplt(Vec3::splat(NONE)), Vec3::ZERO, normal);
-    let first = manifold.points.len();
+    manifold.patches.push(ManifoldPatch {
+        normal,
+        center: points.iter().map(arm).sum::<Vec3>() / points.len() as f32,
+        first: manifold.points.len() as u32,
+        count: points.len() as u32,
+        curved,
+        parts: PatchParts::default(),
+    });
     manifold
         .points
         .extend(points.iter().map(|point| ContactPoint {
@@ -73,14 +80,6 @@ pub(super) fn push(
             detected: point.distance,
             feature: point.feature,
         }));
-    manifold.patches.push(ManifoldPatch {
-        normal,
-        center: ManifoldPatch::center_of(&manifold.points[first..], outer),
-        first: first as u32,
-        count: points.len() as u32,
-        curved,
-        parts: PatchParts::default(),
-    });
 }
 
 /// Maximum number of points of a patch.

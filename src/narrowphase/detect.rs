@@ -27,7 +27,7 @@ fn separate_coincident(a: &BodyState, b: &BodyState, manifold: &mut Manifold) {
         distance,
         feature: FeatureId::NONE,
     };
-    push(manifold, [a, b], (normal, false), smallvec![middle], 0.0);
+    push(manifold, [a, b], normal, false, smallvec![middle]);
 }
 
 /// A pseudorandom point of the unit cube for a number, by wyhash: <https://github.com/wangyi-fudan/wyhash>. It is written out here because its
@@ -126,8 +126,7 @@ pub(super) fn detect(
     let points: Candidates = points.collect();
     let size = || a.face_size(normal).min(b.face_size(normal));
     let rolls = radius.is_finite() && rolling::rolls(&points, radius, size());
-    let outer = rules.stabilization.outer_distance();
-    push(manifold, [a, b], (normal, rolls), points, outer);
+    push(manifold, [a, b], normal, rolls, points);
     apart
 }
 

@@ -11,7 +11,7 @@
 //! Other engines remove such contacts within a mesh: see *ghost vertices* in Box2D and *enhanced internal edge removal* in Jolt.
 
 use crate::body::{BodyState, BodyTable};
-use crate::contact::{Manifold, ManifoldPatch};
+use crate::contact::Manifold;
 use crate::graph::ConstraintGraph;
 use glam::{Vec3, Vec3Swizzles};
 use parry3d::bounding_volume::Aabb;
@@ -98,7 +98,7 @@ impl Surroundings<'_> {
         patches.retain(|patch| patch.count > 0);
         for patch in patches {
             let of_it = &points[patch.range_in(kept)];
-            patch.center = ManifoldPatch::center_of(of_it, outer);
+            patch.center = of_it.iter().map(|point| point.arm).sum::<Vec3>() / of_it.len() as f32;
         }
         kept < before
     }

@@ -6,8 +6,8 @@
 use crate::body::{BodyIndex, BodyState, BodyTable, Simulated, limits};
 use crate::collider::SurfaceVelocity;
 use crate::contact::{
-    ActiveContactHooks, ContactHook, ContactHooks, ContactModification, Manifold, ManifoldPatch,
-    MovingSurfaces, Origins, PairColumns, PairState, PairsMut, reorder,
+    ActiveContactHooks, ContactHook, ContactHooks, ContactModification, Manifold, MovingSurfaces,
+    Origins, PairColumns, PairState, PairsMut, reorder,
 };
 use crate::graph::ConstraintGraph;
 use crate::revision::Revision;
@@ -137,7 +137,7 @@ impl Context<'_> {
         let kept = contacts.kept;
         let drops = kept.contains(&false);
         if drops {
-            let (points, patches) = drop_points(manifold, &kept, self.outer);
+            let (points, patches) = drop_points(manifold, &kept);
             let anchors = anchors.bypass_change_detection();
             reorder(&points, &patches, impulses, anchors, targets);
             cache.bypass_change_detection().last_pose.forget();
@@ -168,7 +168,7 @@ impl Context<'_> {
 }
 
 /// Removes points that are not kept, and patches without points. Returns the origins of those that are left.
-fn drop_points(manifold: &mut Manifold, kept: &[bool], outer: f32) -> (Origins, Origins) {
+fn drop_points(manifold: &mut Manifold, kept: &[bool]) -> (Origins, Origins) {
     let old = std::mem::take(manifold);
     manifold.between = old.between;
     let (mut points, mut patches) = (Origins::new(), Origins::new());
@@ -182,7 +182,10 @@ fn drop_points(manifold: &mut Manifold, kept: &[bool], outer: f32) -> (Origins, 
         if count > 0 {
             let mut patch = *patch;
             (patch.first, patch.count) = (first, count);
-            patch.center = ManifoldPatch::center_of(&manifold.points[first as usize..], outer);
+            let arms = manifold.points[first as usize..]
+                .iter()
+                .map(|point| point.arm);
+            patch.center = arms.sum::<Vec3>() / count as f32;
             manifold.patches.push(patch);
             patches.push(Some(number as u16));
         }

@@ -130,8 +130,7 @@ pub(super) fn detect(
         let radius = a.rolling_radius().min(b.rolling_radius());
         let rolls = curved && rolling::rolls(&candidates, radius, size);
         let known = manifold.patches.len();
-        let outer = rules.stabilization.outer_distance();
-        push(manifold, [a, b], (normal, rolls), candidates, outer);
+        push(manifold, [a, b], normal, rolls, candidates);
         if let Some(patch) = manifold.patches.get_mut(known) {
             patch.parts = parts;
         }

@@ -141,6 +141,8 @@ pub struct Island<L: F32xN> {
     pub(super) grab_places: GrabPlaces,
     /// Joints. They are solved after all contacts of a sweep.
     pub(super) joints: Joints,
+    /// Whether there may be spinners. There are none in a step with blows.
+    pub(super) spins: bool,
     pub(super) spinners: Spinners,
     /// Present once there are threads for it.
     pub(super) pipeline: Option<Pipeline>,
@@ -204,6 +206,7 @@ impl<L: F32xN> Island<L> {
             grabs: Vec::new(),
             grab_places: GrabPlaces::default(),
             joints: Joints::default(),
+            spins: false,
             spinners: Spinners::default(),
             pipeline: None,
         }

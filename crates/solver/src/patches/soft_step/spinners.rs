@@ -10,10 +10,10 @@ use super::island::Island;
 use super::joints::Member;
 use crate::Body;
 use crate::Both;
-use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, State};
 use crate::revision::Revision;
+use crate::{PatchConstraint, PatchPoint, PatchProblem};
 use glam::{Quat, Vec3, Vec4};
 
 /// A body is a spinner if it turns by more than this in a step, rad.
@@ -28,11 +28,35 @@ fn is_fast(body: &Body, dt: f32) -> bool {
     turns && body.inverse_mass > 0.0 && !body.is_upright()
 }
 
+/// A point does not touch if its separation exceeds that of the nearest point by more than this share of the distance between them.
+const SLOPE: f32 = 0.02;
+
+/// From the centre of a patch to the mean of the points that touch, m. A fast top has points at its rim, because it might reach them within the step.
+fn touching_center(patch: &PatchConstraint, points: &[PatchPoint]) -> Vec3 {
+    let points = &points[patch.range()];
+    let nearer = |a: &PatchPoint, b: &PatchPoint| a.separation < b.separation;
+    let nearest = points
+        .iter()
+        .reduce(|a, b| if nearer(b, a) { b } else { a });
+    let Some(nearest) = nearest else {
+        return Vec3::ZERO;
+    };
+    let touch = points.iter().filter(|point| {
+        let apart = (point.offset - nearest.offset).length();
+        point.separation - nearest.separation <= SLOPE * apart
+    });
+    let (sum, count) = touch.fold((Vec3::ZERO, 0), |(sum, count), point| {
+        (sum + point.offset, count + 1)
+    });
+    sum / count as f32
+}
+
 /// Whether a body with this axis stands on it: its centre of mass and all of its contacts lie on the axis.
 fn stands_on(axis: Vec3, body: u32, problem: &PatchProblem) -> bool {
     let arms = problem.patches.iter().flat_map(|patch| {
         let ends = patch.bodies.into_iter().zip(patch.arms);
-        ends.filter(|&(of, _)| of == body).map(|(_, arm)| arm)
+        let arms = ends.filter(|&(of, _)| of == body);
+        arms.map(|(_, arm)| arm + touching_center(patch, problem.points))
     });
     let mut touches = false;
     for arm in arms {
@@ -61,9 +85,56 @@ fn spinners(problem: &PatchProblem) -> impl Iterator<Item = Spinner> {
     })
 }
 
-/// Whether some body of a problem is a spinner.
-pub fn any(problem: &PatchProblem) -> bool {
-    problem.joints.is_empty() && spinners(problem).next().is_some()
+/// The patches of spinners as they were before their centres were moved to the points that touch.
+#[derive(Default)]
+pub struct Recentered {
+    patches: Vec<(usize, [Vec3; 2])>,
+    points: Vec<(usize, Vec3)>,
+}
+
+impl Recentered {
+    /// Moves the centres of the patches of spinners. Friction acts at the centre of a patch, and would hold a top at its rim otherwise.
+    pub fn new(problem: &mut PatchProblem) -> Self {
+        let mut before = Self::default();
+        if !problem.joints.is_empty() {
+            return before;
+        }
+        let spinners: Vec<u32> = spinners(problem)
+            .map(|spinner| spinner.member.body)
+            .collect();
+        if spinners.is_empty() {
+            return before;
+        }
+        for (number, patch) in problem.patches.iter_mut().enumerate() {
+            if !patch.bodies.iter().any(|body| spinners.contains(body)) {
+                continue;
+            }
+            let shift = touching_center(patch, problem.points);
+            before.patches.push((number, patch.arms));
+            patch.arms = patch.arms.both(|arm| arm + shift);
+            for point in patch.range() {
+                let offset = &mut problem.points[point].offset;
+                before.points.push((point, *offset));
+                *offset -= shift;
+            }
+        }
+        before
+    }
+
+    /// Whether there are spinners.
+    pub fn any(&self) -> bool {
+        !self.patches.is_empty()
+    }
+
+    /// Moves the centres back.
+    pub fn restore(self, problem: &mut PatchProblem) {
+        for (number, arms) in self.patches {
+            problem.patches[number].arms = arms;
+        }
+        for (number, offset) in self.points {
+            problem.points[number].offset = offset;
+        }
+    }
 }
 
 /// The spinners of an island during a step. Bodies with joints are none, because joints turn their bodies in substeps anyway.
@@ -102,12 +173,18 @@ impl Spinners {
         self.spinners.is_empty()
     }
 
-    /// Finds the spinners of a step. Islands with joints have none.
-    pub fn begin(&mut self, problem: &PatchProblem, batches: &Batches, substeps: usize) {
+    /// Finds the spinners of a step, if there may be some. Islands with joints have none.
+    pub fn begin(
+        &mut self,
+        problem: &PatchProblem,
+        batches: &Batches,
+        substeps: usize,
+        spins: bool,
+    ) {
         self.spinners.clear();
         self.ends.clear();
         self.h = problem.dt / substeps as f32;
-        if problem.joints.is_empty() {
+        if spins && problem.joints.is_empty() {
             self.spinners.extend(spinners(problem));
         }
         if self.spinners.is_empty() {
@@ -148,7 +225,8 @@ impl Spinners {
 impl<L: F32xN> Island<L> {
     /// Finds the spinners of a step.
     pub fn begin_spinners(&mut self, problem: &PatchProblem, substeps: usize) {
-        self.spinners.begin(problem, &self.batches, substeps);
+        let spins = self.spins;
+        self.spinners.begin(problem, &self.batches, substeps, spins);
         for end in &self.spinners.ends {
             // Friction of a finite spot would stop the spin.
             self.blocks[end.block].has_spots[end.lane] = 0.0;

@@ -206,7 +206,6 @@ impl<L: F32xN> Island<L> {
                 }
                 self.drift(pass);
                 self.drift_joints(pass, false);
-                self.turn_spinners(pass, false);
                 if takes_blow {
                     let rigid = Pass {
                         soft: false,
@@ -221,7 +220,6 @@ impl<L: F32xN> Island<L> {
             let is_last = number + 1 == passes.len();
             self.extrapolate(pass);
             self.end_joints(pass);
-            self.carry_spins(pass);
             if takes_blow && (pass.extrapolates || is_last) {
                 blows.hot.visit_all();
                 L::run(Forget {

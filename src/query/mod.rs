@@ -45,7 +45,9 @@ mod overlaps;
 mod pieces;
 mod points;
 mod rays;
+mod touches;
 mod view;
+mod way;
 
 pub use bevy_math::Dir3;
 pub use bevy_shape::Ray3d;

@@ -1,0 +1,145 @@
+//! Shapes that touch something where a cast begins.
+//!
+//! What rests overlaps what it rests on by some micrometres, and rounding of positions adds to that. A cast from rest must not be stopped by this:
+//! not by the body below when it goes away from it or along it, and not by the neighbours of that body, whose sides are as much too high. So a cast
+//! asks first what its shape [touches](Touches) at the start. If there is something, it hits only what it comes deeper into than shapes that touch: what
+//! it would overlap as well if it was lifted off what it touches.
+
+use super::{QueryFilter, SpatialQuery};
+use crate::body::Pose;
+use crate::collider::Collider;
+use glam::{Quat, Vec3};
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use parry3d::math::Pose as ParryPose;
+use parry3d::query::{Contact, DefaultQueryDispatcher, QueryDispatcher};
+use parry3d::shape::Shape;
+use smallvec::SmallVec;
+
+/// Overlaps and gaps up to this count as touching, m. What rests overlaps by up to 0.02 mm.
+const TOUCHING: f32 = 5e-5;
+
+/// The directions off what a shape touches at the start of a cast.
+#[derive(Clone, Debug)]
+pub(super) struct Touches {
+    /// Unit vectors.
+    pub normals: SmallVec<[Vec3; 4]>,
+    /// Overlaps and gaps up to this count as touching, m.
+    pub reach: f32,
+}
+
+impl Touches {
+    /// None yet, for a shape about a place of the world. Single precision knows positions no better than to some 10⁻⁷ of the distance from the
+    /// origin.
+    fn at(place: Vec3) -> Self {
+        Self {
+            normals: SmallVec::new(),
+            reach: TOUCHING + 2.0 * f32::EPSILON * place.abs().max_element(),
+        }
+    }
+
+    fn add(&mut self, normal: Vec3) {
+        /// Cosine of the angle between directions that are the same.
+        const SAME: f32 = 0.99;
+        if self.normals.iter().all(|known| known.dot(normal) < SAME) {
+            self.normals.push(normal);
+        }
+    }
+
+    /// Turns the directions into another frame.
+    pub fn turned(&self, rotation: Quat) -> Self {
+        let mut turned = self.clone();
+        for normal in &mut turned.normals {
+            *normal = rotation * *normal;
+        }
+        turned
+    }
+}
+
+impl SpatialQuery<'_, '_> {
+    /// What a shape at a pose touches.
+    pub(super) fn touches(&self, collider: &Collider, at: &Pose, filter: &QueryFilter) -> Touches {
+        let mut touches = Touches::at(at.position);
+        let reach = touches.reach;
+        let shape = &**collider.shape();
+        let place = at.to_parry();
+        let mut near = (self.view()).near(&shape.compute_aabb(&place).loosened(reach));
+        self.view().each_outside(&mut |number| near.push(number));
+        for number in near {
+            if let Some(target) = self.target(number, filter) {
+                target.any_piece(filter, &mut |piece| {
+                    let from = piece.at.inv_mul(&place);
+                    each_touch(piece.shape, shape, &from, reach, &mut |normal| {
+                        touches.add(piece.at.rotation * normal);
+                    });
+                    false
+                });
+            }
+        }
+        touches
+    }
+}
+
+/// Calls a function with the directions off the parts of a shape that the parts of another one touch, which is at a pose in the frame of the first.
+fn each_touch(
+    shape: &dyn Shape,
+    other: &dyn Shape,
+    at: &ParryPose,
+    reach: f32,
+    found: &mut dyn FnMut(Vec3),
+) {
+    let there = other.compute_aabb(at).loosened(reach);
+    each_part(shape, &there, &mut |part, of_part| {
+        let from = of_part.inv_mul(at);
+        let here = part.compute_aabb(&from.inverse()).loosened(reach);
+        each_part(other, &here, &mut |own, of_own| {
+            if let Some(start) = start(part, own, &(from * *of_own), reach)
+                && start.dist >= -reach
+            {
+                found(of_part.rotation * start.normal1);
+            }
+        });
+    });
+}
+
+/// The contact of two convex shapes that touch or overlap, the second one at a pose in the frame of the first.
+pub(super) fn start(
+    shape: &dyn Shape,
+    other: &dyn Shape,
+    at: &ParryPose,
+    reach: f32,
+) -> Option<Contact> {
+    /// Parry knows gaps of curved shapes to some tenths of a millimetre only, and overlaps of all shapes to some micrometres.
+    const INEXACT: f32 = 10.0;
+    let touch = |at: &ParryPose, reach| {
+        let contact = DefaultQueryDispatcher.contact(at, shape, other, reach);
+        contact.ok().flatten()
+    };
+    let mut contact = touch(at, INEXACT * reach)?;
+    let push = contact.dist + 2.0 * reach;
+    if push > 0.0 {
+        let mut pushed = *at;
+        pushed.translation -= contact.normal1 * push;
+        if let Some(overlap) = touch(&pushed, 0.0) {
+            contact = overlap;
+            contact.dist += push;
+        }
+    }
+    (contact.dist <= reach).then_some(contact)
+}
+
+/// Calls a function with the convex parts of a shape near a box, and their poses in the frame of the shape, in which the box is.
+fn each_part(shape: &dyn Shape, near: &Aabb, found: &mut dyn FnMut(&dyn Shape, &ParryPose)) {
+    if let Some(field) = shape.as_heightfield() {
+        field.map_elements_in_local_aabb(near, &mut |_, triangle| {
+            found(triangle, &ParryPose::IDENTITY);
+        });
+    } else if let Some(parts) = shape.as_composite_shape() {
+        for id in parts.bvh().intersect_aabb(near) {
+            parts.map_part_at(id, &mut |at, part, _| {
+                found(part, at.unwrap_or(&ParryPose::IDENTITY));
+            });
+        }
+    } else {
+        found(shape, &ParryPose::IDENTITY);
+    }
+}

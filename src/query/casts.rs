@@ -77,15 +77,17 @@ impl<'a> Cast<'a> {
             .unwrap_or(f32::MAX)
     }
 
-    /// The way in the frame of a piece of a body.
-    fn way(&self, piece: &ParryPose, max_distance: f32) -> Way {
-        let world = Way {
-            from: self.from.to_parry(),
-            direction: self.direction,
+    /// The way of a piece of a body as the shape sees it. The shape comes first because parry's answer depends on it, by some tenths of a
+    /// millimetre.
+    fn way_of(&self, piece: &ParryPose, max_distance: f32) -> Way {
+        let from = self.from.to_parry();
+        let back = from.rotation.inverse();
+        Way {
+            from: from.inv_mul(piece),
+            direction: back * -self.direction,
             max_distance,
-            touches: self.touches.clone(),
-        };
-        world.in_frame(piece, max_distance)
+            touches: self.touches.turned(back).reversed(),
+        }
     }
 
     /// Computes the hit on a body within `max_distance` (m), if there is one.
@@ -101,8 +103,8 @@ impl<'a> Cast<'a> {
         let mut failed = None;
         let touch = |piece: Piece| {
             let at = piece.at;
-            let way = self.way(&at, max_distance);
-            let hit = way.first_hit(shape, piece.shape).unwrap_or_else(|_| {
+            let way = self.way_of(&at, max_distance);
+            let hit = way.first_hit(piece.shape, shape).unwrap_or_else(|_| {
                 failed = Some(QueryError::Unsupported(entity));
                 None
             });
@@ -118,8 +120,8 @@ impl<'a> Cast<'a> {
                 entity,
                 collider: piece.collider,
                 distance: hit.time_of_impact,
-                point: at.transform_point(hit.witness1),
-                normal: at.rotation * hit.normal1,
+                point: at.transform_point(hit.witness2),
+                normal: at.rotation * hit.normal2,
             })
         };
         let best = target.best(filter, touch, |hit| hit.distance);

@@ -53,6 +53,14 @@ impl Touches {
         }
         turned
     }
+
+    /// The directions in which the other shapes are lifted off this one.
+    pub fn reversed(mut self) -> Self {
+        for normal in &mut self.normals {
+            *normal = -*normal;
+        }
+        self
+    }
 }
 
 impl SpatialQuery<'_, '_> {

@@ -27,19 +27,24 @@ pub(super) struct Way {
 type Found = Result<Option<ShapeCastHit>, Unsupported>;
 
 impl Way {
-    /// The first hit of a shape on another one. Its first point and normal are those of the other one, in its frame.
+    /// The first hit of a shape on another one. Its first point and normal are those of the other one, in its frame. Which of the two is divided
+    /// into parts first is as in parry.
     pub fn first_hit(&self, shape: &dyn Shape, other: &dyn Shape) -> Found {
+        let convex = shape.as_support_map().is_some() && other.as_support_map().is_some();
+        let swapped = |hit: Option<ShapeCastHit>| hit.map(|hit| hit.swapped());
         if let Some(field) = other.as_heightfield() {
-            return self.on_field(shape, field);
+            self.on_field(shape, field)
+        } else if let Some(field) = shape.as_heightfield() {
+            self.of_the_other().on_field(other, field).map(swapped)
+        } else if convex {
+            self.on_convex(shape, other)
+        } else if let Some(parts) = other.as_composite_shape() {
+            self.on_parts(shape, parts)
+        } else if let Some(parts) = shape.as_composite_shape() {
+            self.of_the_other().on_parts(other, parts).map(swapped)
+        } else {
+            self.on_convex(shape, other)
         }
-        if let Some(parts) = other.as_composite_shape() {
-            return self.on_parts(shape, parts);
-        }
-        if shape.as_heightfield().is_some() || shape.as_composite_shape().is_some() {
-            let hit = self.of_the_other().first_hit(other, shape)?;
-            return Ok(hit.map(|hit| hit.swapped()));
-        }
-        self.on_convex(shape, other)
     }
 
     fn on_convex(&self, shape: &dyn Shape, other: &dyn Shape) -> Found {
@@ -199,7 +204,7 @@ impl Way {
     }
 
     /// The way in the frame of a part.
-    pub fn in_frame(&self, part: &ParryPose, max_distance: f32) -> Self {
+    fn in_frame(&self, part: &ParryPose, max_distance: f32) -> Self {
         let back = part.rotation.inverse();
         Self {
             from: part.inv_mul(&self.from),
@@ -214,10 +219,7 @@ impl Way {
         let mut way = self.in_frame(&self.from, self.max_distance);
         way.from = self.from.inverse();
         way.direction = -way.direction;
-        way.touches
-            .normals
-            .iter_mut()
-            .for_each(|normal| *normal = -*normal);
+        way.touches = way.touches.reversed();
         way
     }
 }

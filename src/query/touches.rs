@@ -11,7 +11,7 @@ use crate::collider::Collider;
 use glam::{Quat, Vec3};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose as ParryPose;
-use parry3d::query::{Contact, DefaultQueryDispatcher, QueryDispatcher};
+use parry3d::query::{Contact, DefaultQueryDispatcher, QueryDispatcher, Unsupported};
 use parry3d::shape::Shape;
 use smallvec::SmallVec;
 
@@ -118,21 +118,32 @@ pub(super) fn start(
 ) -> Option<Contact> {
     /// Parry knows gaps of curved shapes to some tenths of a millimetre only, and overlaps of all shapes to some micrometres.
     const INEXACT: f32 = 10.0;
-    let touch = |at: &ParryPose, reach| {
-        let contact = DefaultQueryDispatcher.contact(at, shape, other, reach);
-        contact.ok().flatten()
-    };
-    let mut contact = touch(at, INEXACT * reach)?;
+    let mut contact = contact(shape, other, at, INEXACT * reach).ok()??;
     let push = contact.dist + 2.0 * reach;
     if push > 0.0 {
         let mut pushed = *at;
         pushed.translation -= contact.normal1 * push;
-        if let Some(overlap) = touch(&pushed, 0.0) {
+        if let Ok(Some(overlap)) = self::contact(shape, other, &pushed, 0.0) {
             contact = overlap;
             contact.dist += push;
         }
     }
     (contact.dist <= reach).then_some(contact)
+}
+
+/// The contact of two convex shapes, the second one at a pose in the frame of the first, if they are no farther apart than `reach`, m.
+pub(super) fn contact(
+    shape: &dyn Shape,
+    other: &dyn Shape,
+    at: &ParryPose,
+    reach: f32,
+) -> Result<Option<Contact>, Unsupported> {
+    // Parry places a half-space wrongly if it comes second.
+    if other.as_halfspace().is_some() {
+        let contact = DefaultQueryDispatcher.contact(&at.inverse(), other, shape, reach)?;
+        return Ok(contact.map(Contact::flipped));
+    }
+    DefaultQueryDispatcher.contact(at, shape, other, reach)
 }
 
 /// Calls a function with the convex parts of a shape near a box, and their poses in the frame of the shape, in which the box is.

@@ -1,6 +1,6 @@
 //! Casts of a shape against another, part by part.
 
-use super::touches::{Touches, start};
+use super::touches::{Touches, contact, start};
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose as ParryPose;
@@ -109,7 +109,7 @@ impl Way {
             // Parry takes some shapes that nearly touch for shapes that overlap, and finds a wrong depth of others. Both tests have to agree, and no
             // depth is larger than the way since the shapes touched.
             let depths = reach + rounding..2.0 * reach + on;
-            let contact = DefaultQueryDispatcher.contact(&at, other, shape, 0.0)?;
+            let contact = contact(other, shape, &at, 0.0)?;
             let mut enters = contact.is_some_and(|contact| depths.contains(&-contact.dist));
             for normal in &self.touches.normals {
                 let mut lifted = at;

@@ -2,7 +2,7 @@
 
 use super::pieces::Piece;
 use super::rays::at_most;
-use super::touches::Touches;
+use super::touches::{Touches, contact};
 use super::way::Way;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use crate::body::Pose;
@@ -14,7 +14,7 @@ use glam::Vec3;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose as ParryPose;
 use parry3d::partitioning::{Bvh, BvhNode};
-use parry3d::query::{Ray, RayCast, contact};
+use parry3d::query::{Ray, RayCast};
 use std::cell::Cell;
 
 /// The first contact of a moving shape with a body.
@@ -110,7 +110,7 @@ impl<'a> Cast<'a> {
             });
             let hit = hit.filter(|hit| hit.time_of_impact <= max_distance)?;
             if filter.ignores_start() {
-                let start = contact(&at, piece.shape, &from, shape, self.touches.reach);
+                let start = contact(piece.shape, shape, &at.inv_mul(&from), self.touches.reach);
                 // Surfaces cannot be compared so; of them only what is hit at once is known to be touched.
                 if start.map_or(hit.time_of_impact <= 0.0, |start| start.is_some()) {
                     return None;

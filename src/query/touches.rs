@@ -131,7 +131,7 @@ pub(super) fn start(
     (contact.dist <= reach).then_some(contact)
 }
 
-/// The contact of two convex shapes, the second one at a pose in the frame of the first, if they are no farther apart than `reach`, m.
+/// The deepest contact of two shapes, the second one at a pose in the frame of the first, if they are no farther apart than `reach`, m.
 pub(super) fn contact(
     shape: &dyn Shape,
     other: &dyn Shape,
@@ -140,10 +140,73 @@ pub(super) fn contact(
 ) -> Result<Option<Contact>, Unsupported> {
     // Parry places a half-space wrongly if it comes second.
     if other.as_halfspace().is_some() {
-        let contact = DefaultQueryDispatcher.contact(&at.inverse(), other, shape, reach)?;
+        let contact = contact(other, shape, &at.inverse(), reach)?;
         return Ok(contact.map(Contact::flipped));
     }
-    DefaultQueryDispatcher.contact(at, shape, other, reach)
+    // So it does within if it is compared with the parts of a shape.
+    if shape.as_halfspace().is_some() && other.as_support_map().is_none() {
+        let (mut deepest, mut failed) = (None::<Contact>, false);
+        each_part(other, &other.compute_local_aabb(), &mut |part, of_part| {
+            let found = DefaultQueryDispatcher.contact(&(at * *of_part), shape, part, reach);
+            failed |= found.is_err();
+            if let Ok(Some(mut found)) = found
+                && deepest.is_none_or(|deepest| found.dist < deepest.dist)
+            {
+                found.transform_by_mut(&ParryPose::IDENTITY, of_part);
+                deepest = Some(found);
+            }
+        });
+        return if failed {
+            Err(Unsupported)
+        } else {
+            Ok(deepest)
+        };
+    }
+    if shape.as_support_map().is_none() || other.as_support_map().is_none() {
+        return DefaultQueryDispatcher.contact(at, shape, other, reach);
+    }
+    /// Inner shapes that are closer meet, m.
+    const MEET: f32 = 1e-4;
+    let (mut found, mut meet) = (Ok(None), false);
+    with_core(shape, &mut |inner, border| {
+        with_core(other, &mut |other_inner, other_border| {
+            let borders = border + other_border;
+            found = DefaultQueryDispatcher.contact(at, inner, other_inner, reach + borders);
+            if let Ok(Some(contact)) = &mut found
+                && borders > 0.0
+            {
+                meet = contact.dist < MEET;
+                contact.dist -= borders;
+                contact.point1 += contact.normal1 * border;
+                contact.point2 += contact.normal2 * other_border;
+            }
+        });
+    });
+    // The direction between inner shapes that meet is not known.
+    match meet {
+        true => DefaultQueryDispatcher.contact(at, shape, other, reach),
+        false => found,
+    }
+}
+
+/// Calls a function with the shape within a shape that is rounded, and by how much it is enlarged, m. Parry knows the distance of capsules and rounded
+/// shapes less well than that of what is within.
+fn with_core(shape: &dyn Shape, found: &mut dyn FnMut(&dyn Shape, f32)) {
+    if let Some(capsule) = shape.as_capsule() {
+        found(&capsule.segment, capsule.radius);
+    } else if let Some(round) = shape.as_round_cuboid() {
+        found(&round.inner_shape, round.border_radius);
+    } else if let Some(round) = shape.as_round_triangle() {
+        found(&round.inner_shape, round.border_radius);
+    } else if let Some(round) = shape.as_round_convex_polyhedron() {
+        found(&round.inner_shape, round.border_radius);
+    } else if let Some(round) = shape.as_round_cylinder() {
+        found(&round.inner_shape, round.border_radius);
+    } else if let Some(round) = shape.as_round_cone() {
+        found(&round.inner_shape, round.border_radius);
+    } else {
+        found(shape, 0.0);
+    }
 }
 
 /// Calls a function with the convex parts of a shape near a box, and their poses in the frame of the shape, in which the box is.

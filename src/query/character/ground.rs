@@ -6,11 +6,19 @@ use crate::collider::Collider;
 use crate::query::{CastHit, QueryError, QueryFilter, SpatialQuery};
 use bevy_ecs::prelude::*;
 use bevy_math::Dir3;
+#[cfg(feature = "bevy_reflect")]
+use bevy_reflect::Reflect;
 use bevy_shape::Ray3d;
 use glam::Vec3;
 
 /// Ground that is flat enough to stand on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug, PartialEq))]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ground {
     /// The body.
     pub entity: Entity,

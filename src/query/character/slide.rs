@@ -45,9 +45,9 @@ impl CharacterHit {
 /// A character on its way.
 pub(super) struct Walk<'a, 'w, 's> {
     query: &'a SpatialQuery<'w, 's>,
-    collider: &'a Collider,
-    rules: &'a MoveAndSlide,
-    filter: &'a QueryFilter<'a>,
+    pub collider: &'a Collider,
+    pub rules: &'a MoveAndSlide,
+    pub filter: &'a QueryFilter<'a>,
     pub pose: Pose,
     pub hits: Vec<CharacterHit>,
 }

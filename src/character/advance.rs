@@ -4,7 +4,7 @@ use super::ground::Carried;
 use super::{Character, CharacterState};
 use crate::body::{Forces, Pose, RigidBody, SpawnOrder};
 use crate::diagnosis::Told;
-use crate::query::{CharacterHit, QueryError, QueryFilter, SpatialQuery};
+use crate::query::{CharacterHit, Ground, QueryError, QueryFilter, SpatialQuery};
 use crate::settings::{Gravity, StepTime};
 use crate::solver::sort;
 use bevy_ecs::hierarchy::ChildOf;
@@ -108,8 +108,10 @@ impl Character {
         let (RigidBody::Kinematic, Some(shape)) = (body.kind, &body.collider) else {
             return Err("it is no kinematic body with a collider".into());
         };
-        if !(self.walk.is_finite() && self.jump.is_finite() && state.fall.is_finite()) {
-            return Err("`walk`, `jump` or `fall` is not finite".into());
+        let numbers = [self.jump, self.gravity_scale, self.push];
+        let finite = numbers.into_iter().all(f32::is_finite);
+        if !(finite && self.walk.is_finite() && state.fall.is_finite()) {
+            return Err("one of its numbers is not finite".into());
         }
         let failed = |error: QueryError| error.to_string();
         let rules = &self.rules;
@@ -166,22 +168,28 @@ impl Character {
         let way = (own + state.fall) * dt;
         let slide = (world.go(shape, start, way, stands, rules, &filter)).map_err(failed)?;
 
-        // What it ran into takes the part of its velocity that led there.
+        // It keeps the velocity of what it took off from. What it ran into takes the part of its velocity that led there.
+        let kept = carried.as_ref().filter(|_| !self.climbs);
+        let kept = kept.map_or(Vec3::ZERO, Carried::surface);
+        let mut fall = match stands {
+            true => Vec3::ZERO,
+            false => state.fall + kept,
+        };
         for hit in &slide.hits {
-            state.fall -= hit.normal * state.fall.dot(hit.normal).min(0.0);
+            let into = fall - world.velocity_at(hit.entity, hit.point);
+            if !stands {
+                fall -= hit.normal * into.dot(hit.normal).min(0.0);
+            }
         }
         let mut ground = slide.ground.filter(|_| !self.climbs);
-        if !stands {
-            // It keeps the velocity of what it took off from.
-            state.fall += carried
-                .as_ref()
-                .filter(|_| !self.climbs)
-                .map_or(Vec3::ZERO, Carried::surface);
-            let fall = state.fall.dot(up);
-            ground = ground.filter(|ground| fall - ground.velocity.dot(up) < RISES);
-        } else if ground.is_none() {
-            state.fall = carried.as_ref().map_or(Vec3::ZERO, Carried::surface);
+        if stands {
+            // Over an edge.
+            fall = kept;
+        } else {
+            let rises = |ground: &Ground| (fall - ground.velocity).dot(up) >= RISES;
+            ground = ground.filter(|ground| !rises(ground));
         }
+        state.fall = fall;
         let to = Pose {
             position: slide.position,
             ..start

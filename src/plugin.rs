@@ -6,7 +6,7 @@
 
 use crate::body::{self, BodyTable, Pending};
 use crate::broadphase::{self, Broadphase};
-use crate::character::CharacterPlugin;
+use crate::character::{CharacterPlugin, CharacterSystems};
 use crate::children::{self, Unassembled};
 use crate::components::any_with;
 use crate::contact::{
@@ -280,6 +280,7 @@ impl Plugin for CollisionPlugin {
             PhysicsSchedule,
             own(&profile, "broadphase", broadphase::escaped_aabb)
                 .after(PhysicsSystems::Integration)
+                .before(CharacterSystems)
                 .before(PhysicsSystems::Sleeping),
         );
     }

@@ -82,6 +82,19 @@ pub fn characters(
     }
 }
 
+/// Puts the bodies of characters where they went. They do not go there by a velocity: on a straight way they would run into the edges of stairs, with
+/// any force.
+pub fn take_places(
+    mut characters: Query<(&Transform, &mut Pose), (With<Character>, Without<ChildOf>)>,
+) {
+    for (transform, mut pose) in &mut characters {
+        pose.set_if_neq(Pose {
+            position: transform.translation,
+            rotation: transform.rotation,
+        });
+    }
+}
+
 /// A character after a step, and what it ran into. `None` while its body is not in the simulation.
 type Advanced = Option<(CharacterState, Pose, Vec<CharacterHit>)>;
 

@@ -6,7 +6,8 @@
 //! [`move_and_slide`](crate::query::SpatialQuery::move_and_slide) itself.
 //!
 //! A character is a kinematic body: others bump into it, queries find it, and sensors notice it. It keeps a distance from everything, so it weighs
-//! nothing on what it stands on, and pushes only with a limited force. Bodies that its [`CollisionLayers`](crate::collider::CollisionLayers) do not let it collide with are no obstacles.
+//! nothing on what it stands on. It is put from place to place: its [`Velocity`](crate::body::Velocity) stays zero, so it pushes bodies with a limited force only, and does not carry
+//! what lies on it. Bodies that its [`CollisionLayers`](crate::collider::CollisionLayers) do not let it collide with are no obstacles.
 //!
 //! ```
 //! use bevy_transform::components::Transform;
@@ -30,10 +31,10 @@
 mod advance;
 mod ground;
 
-pub use advance::characters;
+pub use advance::{characters, take_places};
 
 use crate::body::{Pose, RigidBody};
-use crate::broadphase;
+use crate::broadphase::escaped_aabb;
 use crate::components::any_with;
 use crate::plugin::init;
 use crate::profile::{Profile, own};
@@ -62,11 +63,15 @@ impl Plugin for CharacterPlugin {
         let profile = app.world().resource::<Profile>().clone();
         app.add_systems(
             PhysicsSchedule,
-            own(&profile, "integration", characters)
+            (
+                own(&profile, "integration", characters),
+                own(&profile, "integration", take_places),
+                own(&profile, "broadphase", escaped_aabb),
+            )
+                .chain()
                 .run_if(any_with(Components::component_id::<Character>))
                 .run_if(is_last)
                 .after(PhysicsSystems::Integration)
-                .after(broadphase::escaped_aabb)
                 .before(PhysicsSystems::Sleeping)
                 .in_set(CharacterSystems),
         );
@@ -83,8 +88,8 @@ fn is_last(time: Res<StepTime>) -> bool {
 
 /// A character that the step moves, and how it wants to move; see the [module](self). The game writes it, and reads [`CharacterState`].
 ///
-/// It is a kinematic body with a [`Collider`](crate::collider::Collider) and no parent. It is moved by its `Transform`; a game may write that too, to
-/// turn the character or to put it elsewhere.
+/// It is a kinematic body with a [`Collider`](crate::collider::Collider) and no parent. A game may write its `Transform` between steps, to turn the
+/// character or to put it elsewhere.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy_reflect",

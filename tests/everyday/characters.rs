@@ -309,7 +309,7 @@ fn a_character_leaves_ground_that_falls_away() {
         for hero in heroes {
             let fell = 50.81 - position(world, hero).y;
             assert!(
-                (fell - 4.9).abs() < 1.5,
+                (fell - 4.9).abs() < 0.6 + 12.0 * dt,
                 "{dt}: {fell} {:?}",
                 state(world, hero)
             );

@@ -1,5 +1,7 @@
 //! Characters: shapes that a game moves itself, that slide along what they meet, climb steps and stand on slopes.
 //!
+//! The component [`Character`](crate::character::Character) does all of this in each step. What is here is for games with rules of their own.
+//!
 //! A character is not a dynamic body: it goes where its player wants. [`move_and_slide`](SpatialQuery::move_and_slide) says how far it gets in one
 //! step of the game, and [`ground`](SpatialQuery::ground) what it stands on. Both only ask: they move nothing. What the character runs into is
 //! in the answer, with the impulse by which it [pushes](CharacterHit::push) it.
@@ -109,7 +111,8 @@ impl SpatialQuery<'_, '_> {
     /// Moves a shape from a pose by a translation (m), and lets it slide along obstacles, climb steps, and keep to the ground when it goes down.
     /// The filter must exclude the character's own body. Where the shape overlaps bodies at the start it is moved out first.
     ///
-    /// On a moving platform add [`Ground::velocity`] times the length of the step to the translation. See `examples/character.rs`.
+    /// On a moving platform add [`Ground::velocity`] times the length of the step to the translation; what counts as going up is relative to the
+    /// ground. The component [`Character`](crate::character::Character) goes with its ground by itself.
     ///
     /// ```
     /// use bevy_transform::components::Transform;

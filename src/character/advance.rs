@@ -113,7 +113,7 @@ impl Character {
         from: Pose,
         Frame { gravity, dt }: Frame,
     ) -> Result<Advanced, String> {
-        /// Faster than this upwards from its ground it does not stand, m/s.
+        /// Faster than this upwards from its ground it does not stand where nothing pulls it down, m/s.
         const RISES: f32 = 1e-3;
         let Some(body) = world.state(entity) else {
             return Ok(None);
@@ -188,19 +188,27 @@ impl Character {
             true => Vec3::ZERO,
             false => state.fall + kept,
         };
-        for hit in &slide.hits {
-            let into = fall - world.velocity_at(hit.entity, hit.point);
-            if !stands {
-                fall -= hit.normal * into.dot(hit.normal).min(0.0);
-            }
-        }
         let mut ground = slide.ground.filter(|_| !self.climbs);
         if stands {
             // Over an edge.
             fall = kept;
         } else {
-            let rises = |ground: &Ground| (fall - ground.velocity).dot(up) >= RISES;
-            ground = ground.filter(|ground| !rises(ground));
+            // It lands on what it comes down on. What falls with it is no ground.
+            let pull = -gravity.dot(up);
+            let most = match pull > 0.0 {
+                true => -0.5 * pull * dt,
+                false => RISES,
+            };
+            let fell = fall;
+            let lands = |ground: &Ground| {
+                let rises = fell - world.went(ground.entity, ground.point);
+                rises.dot(up) < most
+            };
+            ground = ground.filter(lands);
+            for hit in &slide.hits {
+                let into = fall - world.went(hit.entity, hit.point);
+                fall -= hit.normal * into.dot(hit.normal).min(0.0);
+            }
         }
         state.fall = fall;
         let to = Pose {

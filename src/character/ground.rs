@@ -39,7 +39,7 @@ impl CharacterState {
         if now == self.ground_pose || body.kind == RigidBody::Static {
             (turn, way) = (Quat::IDENTITY, Vec3::ZERO);
         }
-        let most = 2.0 * dt * world.velocity_at(ground.entity, from).length() + JUMP;
+        let most = 2.0 * dt * body.velocity_at(from).length() + JUMP;
         (way.length() <= most).then(|| Carried {
             ground: ground.entity,
             velocity: way / dt,
@@ -86,7 +86,7 @@ impl CharacterState {
         self.ground_pose = world.pose(ground.entity).unwrap_or_default();
         self.carried = match stood {
             Some((body, velocity)) if body == ground.entity => velocity,
-            _ => world.velocity_at(ground.entity, ground.point),
+            _ => world.went(ground.entity, ground.point),
         };
     }
 }

@@ -587,3 +587,62 @@ fn a_character_goes_on_from_a_snapshot() {
     snapshot.restore(world).unwrap();
     assert_eq!(play(world), first);
 }
+
+#[test]
+fn a_recording_of_a_character_replays() {
+    use drystone::recording::{Recorder, RecorderSettings, Recording, Replay};
+    let mut game = app();
+    let world = game.world_mut();
+    world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+    let lift = (
+        RigidBody::Kinematic,
+        Collider::cuboid(6.0, 0.2, 6.0),
+        at(0.0, 0.1, 0.0),
+    );
+    world.spawn((lift, Velocity::linear(Vec3::Y * 0.5)));
+    world.spawn((RigidBody::Dynamic, cube(0.5), at(1.5, 0.45, 0.0)));
+    let hero = hero(world, Vec3::Y * 1.01);
+    Recorder::start(world, RecorderSettings::default()).unwrap();
+    for k in 0..120 {
+        match k {
+            20 => walk(world, hero, Vec3::X * 2.0),
+            50 => world.get_mut::<Character>(hero).unwrap().jump = 4.0,
+            _ => {}
+        }
+        steps(world, 1);
+    }
+    let bytes = Recorder::stop(world).unwrap();
+    let recording = Recording::from_bytes(&bytes).unwrap();
+    let mut other = app();
+    let mut replay = Replay::start(&recording, other.world_mut()).unwrap();
+    while replay.step(other.world_mut()).unwrap() {}
+    assert_eq!(replay.divergence(), None);
+    let there = replay.entity(hero).unwrap();
+    assert_eq!(state(other.world(), there), state(world, hero));
+    assert_eq!(position(other.world(), there), position(world, hero));
+}
+
+#[test]
+fn characters_of_all_shapes_walk_along_walls_of_boxes() {
+    for shape in shapes() {
+        for dt in [DT, 1.0 / 240.0] {
+            let mut app = app();
+            let world = app.world_mut();
+            wall_of_boxes(world, Transform::IDENTITY);
+            let hero = (Character::default(), shape.clone(), at(-15.0, 0.812, 0.15));
+            let hero = world.spawn(hero).id();
+            steps_of(world, 3, dt);
+            walk(world, hero, Vec3::new(4.0, 0.0, 2.0));
+            let mut falls = 0;
+            for _ in 0..(5.0 / dt).round() as u32 {
+                steps_of(world, 1, dt);
+                falls += u32::from(!state(world, hero).stands());
+            }
+            let way = position(world, hero).x + 15.0;
+            assert!(
+                (way - 20.0).abs() < 0.01 && falls == 0,
+                "{dt}: {way} m, {falls} steps in the air"
+            );
+        }
+    }
+}

@@ -99,13 +99,24 @@ impl SpatialQuery<'_, '_> {
 
     /// Velocity of the surface of a body at a point of the world, m/s, in the last step.
     fn surface_velocity_at(&self, body: Entity, point: Vec3) -> Vec3 {
-        let belt = self.state(body).map(|body| body.surface_velocity());
-        self.velocity_at(body, point) + belt.unwrap_or_default()
+        self.state(body).map_or(Vec3::ZERO, |body| {
+            body.velocity_at(point) + body.surface_velocity()
+        })
     }
 
-    /// Velocity of a body at a point of the world, m/s, in the last step.
-    pub(crate) fn velocity_at(&self, body: Entity, point: Vec3) -> Vec3 {
-        let body = self.state(body);
-        body.map_or(Vec3::ZERO, |body| body.velocity_at(point))
+    /// Velocity of a point of a body that is at a point of the world now, m/s, by the way that it went in the step that is under way.
+    pub(crate) fn went(&self, body: Entity, point: Vec3) -> Vec3 {
+        let (Some(body), Some(now)) = (self.state(body), self.pose(body)) else {
+            return Vec3::ZERO;
+        };
+        match now == body.pose {
+            true => Vec3::ZERO,
+            false => {
+                let before = body
+                    .pose
+                    .transform_point(now.inverse_transform_point(point));
+                (point - before) / self.step.dt
+            }
+        }
     }
 }

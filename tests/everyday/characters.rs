@@ -428,7 +428,9 @@ fn a_character_climbs_stairs_slopes_and_ladders() {
         ));
         let heroes = [0.0, 10.0, 20.0].map(|z| hero(world, Vec3::new(-0.5, 0.81, z)));
         steps_of(world, 2, dt);
-        heroes.map(|hero| walk(world, hero, Vec3::X * 2.0));
+        heroes
+            .into_iter()
+            .for_each(|hero| walk(world, hero, Vec3::X * 2.0));
         steps_of(world, (1.5 / dt) as usize, dt);
         let [stairs, slope, wall] = heroes.map(|hero| position(world, hero));
         assert!(stairs.y > 1.7 && stairs.x > 2.2, "stairs: {stairs}");
@@ -471,7 +473,9 @@ fn a_character_pushes_what_is_light_and_not_what_is_heavy() {
     });
     let heroes = [0.0, 5.0].map(|z| hero(world, Vec3::new(0.0, 0.81, z)));
     steps(world, 60);
-    heroes.map(|hero| walk(world, hero, Vec3::X * 2.0));
+    heroes
+        .into_iter()
+        .for_each(|hero| walk(world, hero, Vec3::X * 2.0));
     steps(world, 120);
     let [light, heavy] = crates.map(|id| position(world, id).x - 1.5);
     assert!(light > 2.0 && heavy < 0.01, "{light} m, {heavy} m");

@@ -6,8 +6,8 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose as ParryPose;
 use parry3d::partitioning::BvhNode;
 use parry3d::query::{
-    Contact, DefaultQueryDispatcher, QueryDispatcher, Ray, RayCast, ShapeCastHit, ShapeCastStatus,
-    Unsupported,
+    Contact, DefaultQueryDispatcher, QueryDispatcher, Ray, RayCast, ShapeCastHit, ShapeCastOptions,
+    ShapeCastStatus, Unsupported,
 };
 use parry3d::shape::{CompositeShape, HeightField, Shape};
 use std::cell::Cell;
@@ -90,17 +90,27 @@ impl Way {
         const NEAR: f32 = 2e-3;
         /// Most hits need five steps. Past a surface at a tenth of a millimetre there would be very many.
         const STEPS: u32 = 60;
-        /// The normal is that of the closest points so much before the hit, m: the smaller the gap, the less is known about its direction.
+        /// The normal is that of the closest points so much before the hit, m, or where they are so far apart: the smaller the gap, the less is known
+        /// about its direction.
         const BEFORE: f32 = 1e-3;
+        const APART: f32 = 2e-4;
+        /// The flattest angle for which this is looked at.
+        const FLATTEST: f32 = 0.01;
         let at = |way: f32| {
             let mut at = self.from;
             at.translation += self.direction * way;
             contact(other, shape, &at, f32::MAX)
         };
         let Some(mut touch) = at(0.0)? else {
-            return Ok(None);
+            // Of some shapes that overlap it knows no depth.
+            let options = ShapeCastOptions {
+                max_time_of_impact: self.max_distance,
+                ..Default::default()
+            };
+            let (from, direction) = (&self.from, self.direction);
+            return DefaultQueryDispatcher.cast_shapes(from, direction, other, shape, options);
         };
-        let mut way = 0.0;
+        let (mut way, mut closing) = (0.0, 1.0);
         let mut shorter = 1.0;
         for step in 0..STEPS {
             if touch.dist <= TOUCH {
@@ -110,8 +120,8 @@ impl Way {
                 true => 0.0,
                 false => DOUBT,
             };
-            let closing = doubt - self.direction.dot(touch.normal1);
-            if closing * (self.max_distance - way) < touch.dist {
+            closing = doubt - self.direction.dot(touch.normal1);
+            if closing <= 0.0 || closing * (self.max_distance - way) < touch.dist {
                 return Ok(None);
             }
             let on = shorter * touch.dist / closing;
@@ -124,8 +134,9 @@ impl Way {
                 _ => shorter *= 0.5,
             }
         }
+        let back = BEFORE.max(APART / closing.max(FLATTEST));
         if way > 0.0
-            && let Some(before) = at((way - BEFORE).max(0.0))?
+            && let Some(before) = at((way - back).max(0.0))?
             && before.dist > TOUCH
         {
             (touch.normal1, touch.normal2) = (before.normal1, before.normal2);

@@ -309,3 +309,31 @@ fn a_brick_is_cast_out_of_its_wall() {
         }
     }
 }
+
+/// A cast without an end.
+#[test]
+fn what_rests_is_cast_as_far_as_one_likes() {
+    let mut app = app();
+    let world = app.world_mut();
+    floor(world, 1, Transform::IDENTITY);
+    let wall = (
+        RigidBody::Static,
+        Collider::cuboid(1.0, 9.0, 9.0),
+        at(50.5, 4.5, 0.0),
+    );
+    world.spawn(wall);
+    let body = world
+        .spawn((RigidBody::Dynamic, cube(1.0), at(0.0, 0.51, 0.3)))
+        .id();
+    steps(world, 120);
+    let from = *world.get::<Pose>(body).unwrap();
+    let excluded = [body];
+    let any = QueryFilter::default().excluding(&excluded);
+    for far in [1e3, 1e9, f32::INFINITY] {
+        let hit = cast(world, &cube(1.0), from, Vec3::X, far, &any).expect("the wall");
+        assert!((hit.distance - 49.5).abs() < 1e-3, "{hit:?}");
+        for way in [Vec3::NEG_X, Vec3::Z, Vec3::Y] {
+            assert_eq!(cast(world, &cube(1.0), from, way, far, &any), None);
+        }
+    }
+}

@@ -1,10 +1,11 @@
 //! A character climbs stairs of loose bricks, and pushes a crate off the top: `cargo run --release --example character`.
 //!
-//! The character is no body: it only asks where it can go, by [`SpatialQuery::move_and_slide`]. It weighs nothing on what it stands on, and the
-//! bricks stay where they were put. The crate that it runs into it pushes with a limited force.
+//! The step moves the character by the component [`Character`]: the game only says where it wants to go. It weighs nothing on what it stands on,
+//! and the bricks stay where they were put. The crate that it runs into it pushes with a limited force.
 
 use bevy_app::App;
-use bevy_ecs::prelude::*;
+use bevy_ecs::entity::Entity;
+use bevy_ecs::world::World;
 use bevy_transform::components::Transform;
 use drystone::prelude::*;
 
@@ -17,56 +18,6 @@ const PUSH: f32 = 320.0;
 /// Number of stairs, and their size, m.
 const STAIRS: usize = 8;
 const STAIR: Vec3 = Vec3::new(0.4, 0.2, 1.5);
-
-/// A character that walks along +x.
-#[derive(Component)]
-pub struct Character {
-    shape: Collider,
-    /// Speed downwards of a character that does not stand, m/s.
-    fall: f32,
-    /// What it stands on.
-    pub ground: Option<Ground>,
-}
-
-/// A body that the character pushes. Bricks of stairs are none.
-#[derive(Component)]
-pub struct Pushable;
-
-/// Moves the character by one step, and pushes what it runs into.
-pub fn walk(
-    world: SpatialQuery,
-    mut characters: Query<(&mut Character, &mut Transform)>,
-    mut bodies: Query<Forces, (With<Pushable>, Without<Character>)>,
-    gravity: Res<Gravity>,
-) {
-    for (mut character, mut transform) in &mut characters {
-        let carried = character
-            .ground
-            .map_or(Vec3::ZERO, |ground| ground.velocity);
-        character.fall = match character.ground {
-            Some(_) => 0.0,
-            None => character.fall - gravity.0.y * DT,
-        };
-        let velocity = carried + Vec3::X * WALK + Vec3::NEG_Y * character.fall;
-        let from = Pose {
-            position: transform.translation,
-            rotation: transform.rotation,
-        };
-        let filter = QueryFilter::default();
-        let rules = MoveAndSlide::default();
-        let slide = world.move_and_slide(&character.shape, from, velocity * DT, &rules, &filter);
-        let Ok(slide) = slide.inspect_err(|error| eprintln!("{error}")) else {
-            continue;
-        };
-        transform.translation = slide.position;
-        character.ground = slide.ground;
-        for hit in slide.hits {
-            if let Ok(mut body) = bodies.get_mut(hit.entity) {
-                body.apply_linear_impulse_at_point(hit.push(PUSH, DT), hit.point);
-            }
-        }
-    }
-}
 
 /// What happened.
 #[derive(Debug)]
@@ -107,23 +58,21 @@ pub fn play(seconds: f32) -> Outcome {
     let end = 1.0 + STAIR.x * (STAIRS + 1) as f32;
     let crate_at = Vec3::new(end, top + 0.25, 0.0);
     let pushed = world
-        .spawn((brick(crate_at, Vec3::splat(0.5)), Density(400.0), Pushable))
+        .spawn((brick(crate_at, Vec3::splat(0.5)), Density(400.0)))
         .id();
     let settled = |world: &World, body: Entity| world.get::<Transform>(body).unwrap().translation;
     for _ in 0..60 {
         drystone::step(world, DT).expect("the step is valid");
     }
     let put: Vec<Vec3> = bricks.iter().map(|&of| settled(world, of)).collect();
+    let character = Character {
+        walk: Vec3::X * WALK,
+        push: PUSH,
+        ..Character::default()
+    };
     let shape = Collider::capsule(0.3, 1.0);
-    let character = (
-        Transform::from_xyz(-1.0, 0.81, 0.0),
-        Character {
-            shape,
-            fall: 0.0,
-            ground: None,
-        },
-    );
-    let character = world.spawn(character).id();
+    let at = Transform::from_xyz(-1.0, 0.81, 0.0);
+    let character = world.spawn((character, shape, at)).id();
     let mut outcome = Outcome {
         highest: 0.0,
         moved: 0.0,
@@ -133,10 +82,9 @@ pub fn play(seconds: f32) -> Outcome {
     let mut airborne = 0.0f32;
     for _ in 0..(seconds / DT) as usize {
         drystone::step(world, DT).expect("the step is valid");
-        world.run_system_cached(walk).expect("the system runs");
         let at = settled(world, character);
         outcome.highest = outcome.highest.max(at.y - 0.8);
-        let stands = world.get::<Character>(character).unwrap().ground.is_some();
+        let stands = world.get::<CharacterState>(character).unwrap().stands();
         airborne = if stands { 0.0 } else { airborne + DT };
         if at.x < end {
             outcome.airborne = outcome.airborne.max(airborne);

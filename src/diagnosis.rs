@@ -265,6 +265,12 @@ pub struct Told {
         serde(serialize_with = "crate::state::written::sorted_set")
     )]
     pub(crate) hands: EntityHashSet,
+    /// Characters that cannot move.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::state::written::sorted_set")
+    )]
+    pub(crate) characters: EntityHashSet,
     /// Colliders that were left out of the body above them.
     #[cfg_attr(
         feature = "serde",
@@ -276,7 +282,7 @@ pub struct Told {
 impl MapEntities for Told {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         self.diverged.map_entities(mapper);
-        for set in [&mut self.hands, &mut self.strays] {
+        for set in [&mut self.hands, &mut self.characters, &mut self.strays] {
             *set = set.iter().map(|&of| mapper.get_mapped(of)).collect();
         }
     }

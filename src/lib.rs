@@ -76,7 +76,7 @@
 //! | to | see |
 //! |---|---|
 //! | build | [`masonry`] generates structures and undoes edits, [`mortar`] bonds bricks, [`children`] make a body of several colliders |
-//! | move | [`body`]: velocities, forces, locks, teleports; [`query`]: characters that move and slide; [`grab`]: hands |
+//! | move | [`body`]: velocities, forces, locks, teleports; [`character`]: characters that walk, jump and ride; [`grab`]: hands |
 //! | join | [`joint`]: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break |
 //! | ask | the questions above; [`sensor`]: who is inside a zone; [`contact`]: messages and events of hits and forces; [`collapse`]: structures that fail |
 //! | see | the features `gizmos` and `picking`; [`profile`] and the feature `diagnostics` for times |
@@ -103,6 +103,7 @@
 mod ask;
 pub mod body;
 pub mod broadphase;
+pub mod character;
 pub mod children;
 pub mod collapse;
 pub mod collider;
@@ -162,6 +163,7 @@ pub mod prelude {
         MaxLinearSpeed, Motion, Pose, Quarantined, RigidBody, RigidBodyDisabled, Sleeping,
         SolverEffort, SpawnOrder, Teleport, Velocity,
     };
+    pub use crate::character::{Character, CharacterState};
     pub use crate::children::{ColliderOf, ImplicitBody};
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
     pub use crate::collider::{

@@ -6,6 +6,7 @@
 
 use crate::body::{self, BodyTable, Pending};
 use crate::broadphase::{self, Broadphase};
+use crate::character::{CharacterPlugin, CharacterSystems};
 use crate::children::{self, Unassembled};
 use crate::components::any_with;
 use crate::contact::{
@@ -88,6 +89,7 @@ impl PluginGroup for DrystonePlugins {
             .add(SensorPlugin)
             .add(ContactEventsPlugin)
             .add(RefreshPlugin)
+            .add(CharacterPlugin)
     }
 }
 
@@ -278,6 +280,7 @@ impl Plugin for CollisionPlugin {
             PhysicsSchedule,
             own(&profile, "broadphase", broadphase::escaped_aabb)
                 .after(PhysicsSystems::Integration)
+                .before(CharacterSystems)
                 .before(PhysicsSystems::Sleeping),
         );
     }
@@ -546,7 +549,7 @@ mod tests {
     }
 
     /// Every plugin but `StepPlugin`, by its name.
-    const OTHERS: [(&str, Add); 14] = [
+    const OTHERS: [(&str, Add); 15] = [
         ("BodyPlugin", |app| _ = app.add_plugins(BodyPlugin)),
         ("CollisionPlugin", |app| {
             _ = app.add_plugins(CollisionPlugin)
@@ -571,6 +574,9 @@ mod tests {
             _ = app.add_plugins(ContactEventsPlugin)
         }),
         ("RefreshPlugin", |app| _ = app.add_plugins(RefreshPlugin)),
+        ("CharacterPlugin", |app| {
+            _ = app.add_plugins(CharacterPlugin)
+        }),
         ("CollapsePlugin", |app| _ = app.add_plugins(CollapsePlugin)),
         ("HandPlugin", |app| _ = app.add_plugins(HandPlugin)),
     ];

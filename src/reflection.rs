@@ -8,6 +8,7 @@
 //! | colliders | `Collider`, `ColliderShape`, `ColliderOf`, `ImplicitBody`, `CompoundCollider`, `Friction`, `Restitution`, `RollingFriction`, `SurfaceVelocity`, `CollisionLayers`, `CollisionExceptions`, `ContactEvents`, `ContactForceEvents`, `ActiveContactHooks`, `CollidingEntities`, `Sensor`, `SensorOverlaps` |
 //! | joints, mortar | `FixedJoint`, `RevoluteJoint`, `PrismaticJoint`, `SphericalJoint`, `DistanceJoint`, `SpringJoint`, `GenericJoint`, `JointAxes`, `JointForces`, `BreakForce`, `JointDisabled`, `QuarantinedJoint`, `Mortar`, `MortarJoint` |
 //! | hands | `Grab`, `GrabForce`, `Hand`, `HandState`, `HeldBy` |
+//! | characters | `Character`, `CharacterState`, `MoveAndSlide`, `Ground` |
 //! | pairs | `ContactPair`, `Manifold`, `ContactTargets`, `ContactImpulses`, `ContactAnchors` |
 //! | settings | `Gravity`, `PhysicsTime`, `StepTime`, `SolverSettings`, `ContactSolver`, `SoftStep`, `Pgs`, `Nncg`, `StabilizationSettings`, `NarrowphaseSettings`, `SleepSettings`, `SpeedLimits`, `CollapseSettings` |
 //! | messages and reports | `ContactStarted`, `ContactEnded`, `ContactForce`, `SensorEntered`, `SensorExited`, `JointBroke`, `MortarBroke`, `Collapse`, `CollapseEnded`, `BodyError`, `JointError`, `StepError`, `SolveReports` |
@@ -18,6 +19,7 @@
 //! [description](crate::collider::Collider::description). With the feature `serde` the types are also serialized by reflection, as scenes do.
 
 use crate::body::{self, Quarantined, RigidBodyDisabled, Teleport};
+use crate::character::{Character, CharacterState};
 use crate::children::{ColliderOf, ImplicitBody};
 use crate::collapse::{Collapse, CollapseEnded, CollapseSettings, Watch};
 use crate::collider::ColliderShape;
@@ -33,6 +35,7 @@ use crate::joint::{
 };
 use crate::masonry::Laid;
 use crate::mortar::{Mortar, MortarBroke};
+use crate::query::{Ground, MoveAndSlide};
 use crate::saving::Saved;
 use crate::sensor::{Sensor, SensorEntered, SensorExited, SensorOverlaps};
 use crate::settings::{
@@ -76,6 +79,7 @@ pub(crate) fn register(app: &mut App) {
     );
     register!(app, CollidingEntities, ContactForceEvents, Saved);
     register!(app, GrabForce, Hand, HandState, HeldBy);
+    register!(app, Character, CharacterState, MoveAndSlide, Ground);
     // Joints.
     joint::register(app);
     register!(

@@ -3,7 +3,7 @@
 use super::copy::{Activity, OriginalState, copy, copy_joint, empty, to_transform};
 use super::region::Region;
 use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
-use crate::body::{BodyState, Pose, RigidBody, Sleeping};
+use crate::body::{BodyState, Pose, RigidBody, Sleeping, Velocity};
 use crate::children::shape_of;
 use crate::collider::{Collider, CollisionExceptions};
 use crate::graph::Islands;
@@ -30,6 +30,12 @@ const SPEED_SHARE: f32 = 0.4;
 /// some mm/s, and a quarter less in each step.
 const SLOWING: f32 = 0.9;
 
+/// No world counts as at rest before this time, s: two steps at 60 Hz. In a shorter time nothing gets fast enough to be told from what rests.
+const SOONEST: f32 = 0.03;
+
+/// Number of steps beyond which steps are lengthened, but not beyond those of 60 Hz. It is that of ten seconds at 240 Hz.
+const MOST_STEPS: f32 = 2400.0;
+
 /// A copy of part of a world, which can be stepped on its own and sent to another thread.
 #[derive(Debug)]
 pub struct Shadow {
@@ -44,23 +50,10 @@ pub struct Shadow {
     dt: f32,
 }
 
-/// The poses of a body when it slept, or after the first step, and after the last one, and how far it moved (m) and turned (rad) in the
-/// last one.
+/// The pose of a body when it slept, or after the first step, and its linear (m/s) and angular speed (rad/s) after the last one.
 struct Seen {
     first: Pose,
-    last: Pose,
-    way: Option<[f32; 2]>,
-}
-
-impl Seen {
-    /// A body that is seen for the first time, or that sleeps.
-    fn at(pose: Pose) -> Self {
-        Self {
-            first: pose,
-            last: pose,
-            way: None,
-        }
-    }
+    speeds: [f32; 2],
 }
 
 /// The distance (m) and the angle (rad) between two poses.
@@ -70,9 +63,9 @@ fn way(from: &Pose, to: &Pose) -> [f32; 2] {
     [from.position.distance(to.position), turned]
 }
 
-/// Returns true if a body has moved less than it would at the speed limits of sleeping in this time, s.
-fn is_slower(limits: &SleepSettings, time: f32, [way, turned]: [f32; 2]) -> bool {
-    way < time * limits.linear_speed && turned < time * limits.angular_speed
+/// Returns true if both are less than at the speed limits of sleeping times some time (s), or share.
+fn is_less(limits: &SleepSettings, times: [f32; 2], [linear, angular]: [f32; 2]) -> bool {
+    linear < times[0] * limits.linear_speed && angular < times[1] * limits.angular_speed
 }
 
 /// A body and its copy.
@@ -154,32 +147,38 @@ impl Shadow {
 
     /// Takes steps until all bodies are at rest or [`PreviewSettings::max_time`] is over.
     ///
-    /// If no body has begun to move after a few steps, the world counts as at rest: in one step a falling body reaches a speed that a body at
-    /// rest may have after a quarter of a second.
+    /// If no body has begun to move after a few steps, the world counts as at rest: in one step of 1/60 s a falling body reaches a speed that a body
+    /// at rest may have after a quarter of a second.
     ///
     /// # Errors
     /// [`PreviewError::InvalidSettings`] if the settings are invalid.
     pub fn run(mut self, settings: &PreviewSettings) -> Result<Preview, PreviewError> {
         settings.check()?;
-        let dt = settings.dt.unwrap_or(self.dt);
+        let shortest = (settings.max_time / MOST_STEPS).min(Preset::Default.dt());
+        let dt = settings.dt.unwrap_or(self.dt).max(shortest);
         let slow = *self.world.resource::<SleepSettings>();
         // In double precision, because many short steps would not add up exactly in single precision.
         let mut time = 0.0_f64;
         let mut rests = false;
-        let mut bodies = self.world.query::<(Entity, &RigidBody, &Sleeping, &Pose)>();
+        let mut bodies = (self.world).query::<(Entity, &RigidBody, &Sleeping, &Pose, &Velocity)>();
         let mut seen: EntityHashMap<Seen> = EntityHashMap::default();
         while time < f64::from(settings.max_time) && !rests {
             step(&mut self.world, dt).expect("the length of a step has been checked");
             time += f64::from(dt);
             let passed = time as f32;
             let share_now = SPEED_SHARE * (passed / STILL).min(1.0);
-            rests = true;
-            for (body, kind, sleeping, pose) in bodies.iter(&self.world) {
+            rests = passed >= SOONEST;
+            for (body, kind, sleeping, pose, velocity) in bodies.iter(&self.world) {
                 if *kind != RigidBody::Dynamic {
                     continue;
                 }
+                let speeds = [velocity.linear.length(), velocity.angular.length()];
+                let now = Seen {
+                    first: *pose,
+                    speeds,
+                };
                 if sleeping.asleep {
-                    seen.insert(body, Seen::at(*pose));
+                    seen.insert(body, now);
                     continue;
                 }
                 // Bodies that were awake before the edit may have been still for a long time already.
@@ -187,18 +186,16 @@ impl Shadow {
                 let stays = match seen.entry(body) {
                     Entry::Occupied(mut entry) => {
                         let seen = entry.get_mut();
-                        let now = way(&seen.last, pose);
-                        seen.last = *pose;
-                        let before = seen.way.replace(now).unwrap_or_default();
-                        let share = |i: usize| match now[i] < SLOWING * before[i] {
+                        let before = std::mem::replace(&mut seen.speeds, speeds);
+                        let share = |i: usize| match speeds[i] < SLOWING * before[i] {
                             true => SPEED_SHARE,
                             false => share_now,
                         };
-                        is_slower(&slow, dt, [now[0] / share(0), now[1] / share(1)])
-                            && is_slower(&slow, passed.min(STILL), way(&seen.first, pose))
+                        is_less(&slow, [share(0), share(1)], speeds)
+                            && is_less(&slow, [passed.min(STILL); 2], way(&seen.first, pose))
                     }
                     Entry::Vacant(entry) => {
-                        entry.insert(Seen::at(*pose));
+                        entry.insert(now);
                         false
                     }
                 };

@@ -2,6 +2,8 @@
 
 use super::pieces::Piece;
 use super::rays::at_most;
+use super::touches::{Touches, contact};
+use super::way::Way;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use crate::body::Pose;
 use crate::collider::Collider;
@@ -10,8 +12,9 @@ use bevy_ecs::prelude::*;
 use bevy_math::Dir3;
 use glam::Vec3;
 use parry3d::bounding_volume::Aabb;
+use parry3d::math::Pose as ParryPose;
 use parry3d::partitioning::{Bvh, BvhNode};
-use parry3d::query::{Ray, RayCast, ShapeCastOptions, cast_shapes};
+use parry3d::query::{Ray, RayCast};
 use std::cell::Cell;
 
 /// The first contact of a moving shape with a body.
@@ -21,7 +24,7 @@ pub struct CastHit {
     pub entity: Entity,
     /// The collider: a child of the body, or the body itself.
     pub collider: Entity,
-    /// Distance that the shape has travelled, m; 0 if it overlaps the body from the start.
+    /// Distance that the shape has travelled, m; 0 if it overlaps the body from the start, or touches it and moves against it.
     pub distance: f32,
     /// The point of contact, world, m.
     pub point: Vec3,
@@ -37,14 +40,18 @@ struct Cast<'a> {
     max_distance: f32,
     /// Its bounding box at the start.
     aabb: Aabb,
+    /// What it touches at the start.
+    touches: Touches,
 }
 
 impl<'a> Cast<'a> {
     fn new(
+        query: &SpatialQuery,
         collider: &'a Collider,
         from: Pose,
         direction: Dir3,
         max_distance: f32,
+        filter: &QueryFilter,
     ) -> Result<Self, QueryError> {
         if !direction.is_finite() {
             return Err(QueryError::NotFinite("the direction"));
@@ -56,6 +63,7 @@ impl<'a> Cast<'a> {
             direction: *direction,
             max_distance: at_most(max_distance)?,
             aabb: collider.shape().compute_aabb(&from.to_parry()),
+            touches: query.touches(collider, &from, filter),
         })
     }
 
@@ -69,6 +77,19 @@ impl<'a> Cast<'a> {
             .unwrap_or(f32::MAX)
     }
 
+    /// The way of a piece of a body as the shape sees it. The shape comes first because parry's answer depends on it, by some tenths of a
+    /// millimetre.
+    fn way_of(&self, piece: &ParryPose, max_distance: f32) -> Way {
+        let from = self.from.to_parry();
+        let back = from.rotation.inverse();
+        Way {
+            from: from.inv_mul(piece),
+            direction: back * -self.direction,
+            max_distance,
+            touches: self.touches.turned(back).reversed(),
+        }
+    }
+
     /// Computes the hit on a body within `max_distance` (m), if there is one.
     fn hit(
         &self,
@@ -76,30 +97,25 @@ impl<'a> Cast<'a> {
         max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Option<CastHit>, QueryError> {
-        let options = ShapeCastOptions {
-            max_time_of_impact: max_distance,
-            ..Default::default()
-        };
         let shape = &**self.collider.shape();
         let from = self.from.to_parry();
         let entity = target.body.entity;
         let mut failed = None;
         let touch = |piece: Piece| {
-            let (at, other) = (piece.at, piece.shape);
-            let hit = cast_shapes(
-                &from,
-                self.direction,
-                shape,
-                &at,
-                Vec3::ZERO,
-                other,
-                options,
-            );
-            let hit = hit.unwrap_or_else(|_| {
+            let at = piece.at;
+            let way = self.way_of(&at, max_distance);
+            let hit = way.first_hit(piece.shape, shape).unwrap_or_else(|_| {
                 failed = Some(QueryError::Unsupported(entity));
                 None
             });
-            let hit = hit.filter(|hit| filter.reaches(hit.time_of_impact, max_distance))?;
+            let hit = hit.filter(|hit| hit.time_of_impact <= max_distance)?;
+            if filter.ignores_start() {
+                let start = contact(piece.shape, shape, &at.inv_mul(&from), self.touches.reach);
+                // Surfaces cannot be compared so; of them only what is hit at once is known to be touched.
+                if start.map_or(hit.time_of_impact <= 0.0, |start| start.is_some()) {
+                    return None;
+                }
+            }
             Some(CastHit {
                 entity,
                 collider: piece.collider,
@@ -131,6 +147,9 @@ pub(super) fn posed(collider: &Collider, pose: Pose) -> Result<Pose, QueryError>
 impl SpatialQuery<'_, '_> {
     /// The first body that a shape touches on a straight path without rotation: from a pose, in a direction, within `max_distance` (m).
     ///
+    /// A shape that rests on something may be cast from there: what it touches is hit, at distance 0, if the shape moves against it, and is not
+    /// hit if the shape moves along it or away. Overlaps and gaps of up to 0.05 mm count as touching, and more far from the origin.
+    ///
     /// # Errors
     /// [`QueryError`] if the pose or direction is not finite, the distance is negative, the shape is degenerate or unbounded, or it
     /// cannot be compared with that of a body on its path.
@@ -142,7 +161,7 @@ impl SpatialQuery<'_, '_> {
         max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Option<CastHit>, QueryError> {
-        let cast = Cast::new(collider, from, direction, max_distance)?;
+        let cast = Cast::new(self, collider, from, direction, max_distance, filter)?;
         let failed = Cell::new(None);
         let hit = |slot, max_distance| {
             let hit = cast.hit(&self.target(slot, filter)?, max_distance, filter);
@@ -177,7 +196,7 @@ impl SpatialQuery<'_, '_> {
         max_distance: f32,
         filter: &QueryFilter,
     ) -> Result<Vec<CastHit>, QueryError> {
-        let cast = Cast::new(collider, from, direction, max_distance)?;
+        let cast = Cast::new(self, collider, from, direction, max_distance, filter)?;
         let near = self.view().along(&|node| cast.way_to(node) < f32::MAX);
         let hits = self.all(near, |slot| {
             let hit = cast.hit(&self.target(slot, filter)?, cast.max_distance, filter);

@@ -106,6 +106,11 @@ impl<'a> QueryFilter<'a> {
         distance <= max_distance && (distance > 0.0 || !self.ignores_start)
     }
 
+    /// Whether bodies at the start are ignored.
+    pub(super) fn ignores_start(&self) -> bool {
+        self.ignores_start
+    }
+
     /// Whether a ray that starts inside a body hits it at once.
     pub(super) fn is_solid(&self) -> bool {
         self.solid || self.ignores_start

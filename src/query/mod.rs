@@ -45,7 +45,9 @@ mod overlaps;
 mod pieces;
 mod points;
 mod rays;
+mod touches;
 mod view;
+mod way;
 
 pub use bevy_math::Dir3;
 pub use bevy_shape::Ray3d;
@@ -59,7 +61,7 @@ pub use rays::RayHit;
 
 use crate::body::{BodyIndex, BodyState, BodyTable, Pending, Pose, RigidBody, Simulated};
 use crate::broadphase::Broadphase;
-use crate::settings::PhysicsThreads;
+use crate::settings::{PhysicsThreads, StepTime};
 use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -77,6 +79,7 @@ pub struct SpatialQuery<'w, 's> {
     poses: Query<'w, 's, &'static Pose, (With<RigidBody>, Simulated)>,
     slots: Query<'w, 's, &'static BodyIndex, With<RigidBody>>,
     threads: Res<'w, PhysicsThreads>,
+    step: Res<'w, StepTime>,
 }
 
 impl fmt::Debug for SpatialQuery<'_, '_> {
@@ -131,7 +134,7 @@ impl SpatialQuery<'_, '_> {
     }
 
     /// The body as it was at the start of the last step, if it is in the simulation.
-    fn state(&self, body: Entity) -> Option<&BodyState> {
+    pub(crate) fn state(&self, body: Entity) -> Option<&BodyState> {
         self.table.body(body, *self.slots.get(body).ok()?)
     }
 

@@ -2,12 +2,12 @@
 
 use super::casts::posed;
 use super::pieces::Piece;
+use super::touches::contact;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use crate::body::Pose;
 use crate::collider::{Collider, is_surface};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
-use parry3d::query::contact;
 
 /// How far a shape is inside a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,8 @@ impl Target<'_> {
         let from = pose.to_parry();
         let mut failed = None;
         let overlap = |piece: Piece| {
-            let found = contact(&piece.at, piece.shape, &from, &**collider.shape(), 0.0);
+            let there = piece.at.inv_mul(&from);
+            let found = contact(piece.shape, &**collider.shape(), &there, 0.0);
             let found = found.unwrap_or_else(|_| {
                 failed = Some(unsupported.clone());
                 None
@@ -52,8 +53,8 @@ impl Target<'_> {
                 entity,
                 collider: piece.collider,
                 depth: -found.dist,
-                normal: found.normal1,
-                point: found.point1,
+                normal: piece.at.rotation * found.normal1,
+                point: piece.at.transform_point(found.point1),
             })
         };
         let deepest = self.best(filter, overlap, |overlap| -overlap.depth);

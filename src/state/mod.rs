@@ -21,6 +21,7 @@ pub use visitor::{Stored, Visitor};
 
 use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, RigidBodyDisabled, Teleport};
 use crate::broadphase::Broadphase;
+use crate::character::{Character, CharacterState};
 use crate::children::{ColliderOf, ImplicitBody, Unassembled};
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
 use crate::contact::{
@@ -81,6 +82,8 @@ pub fn visit(visitor: &mut impl Visitor) {
     list!(internal: Saved);
     // Hands.
     list!(component: HandState, Hand);
+    // Characters.
+    list!(component: CharacterState, Character);
     // Joints.
     joint::visit(visitor);
     list!(internal: JointEdge);

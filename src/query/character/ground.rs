@@ -6,11 +6,19 @@ use crate::collider::Collider;
 use crate::query::{CastHit, QueryError, QueryFilter, SpatialQuery};
 use bevy_ecs::prelude::*;
 use bevy_math::Dir3;
+#[cfg(feature = "bevy_reflect")]
+use bevy_reflect::Reflect;
 use bevy_shape::Ray3d;
 use glam::Vec3;
 
 /// Ground that is flat enough to stand on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug, PartialEq))]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ground {
     /// The body.
     pub entity: Entity,
@@ -94,5 +102,21 @@ impl SpatialQuery<'_, '_> {
         self.state(body).map_or(Vec3::ZERO, |body| {
             body.velocity_at(point) + body.surface_velocity()
         })
+    }
+
+    /// Velocity of a point of a body that is at a point of the world now, m/s, by the way that it went in the step that is under way.
+    pub(crate) fn went(&self, body: Entity, point: Vec3) -> Vec3 {
+        let (Some(body), Some(now)) = (self.state(body), self.pose(body)) else {
+            return Vec3::ZERO;
+        };
+        match now == body.pose {
+            true => Vec3::ZERO,
+            false => {
+                let before = body
+                    .pose
+                    .transform_point(now.inverse_transform_point(point));
+                (point - before) / self.step.dt
+            }
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! Characters: shapes that a game moves itself, that slide along what they meet, climb steps and stand on slopes.
 //!
+//! The component [`Character`](crate::character::Character) does all of this in each step. What is here is for games with rules of their own.
+//!
 //! A character is not a dynamic body: it goes where its player wants. [`move_and_slide`](SpatialQuery::move_and_slide) says how far it gets in one
 //! step of the game, and [`ground`](SpatialQuery::ground) what it stands on. Both only ask: they move nothing. What the character runs into is
 //! in the answer, with the impulse by which it [pushes](CharacterHit::push) it.
@@ -17,11 +19,23 @@ use super::{QueryError, QueryFilter, SpatialQuery};
 use crate::body::Pose;
 use crate::collider::Collider;
 use bevy_math::{Dir3, ops};
+#[cfg(feature = "bevy_reflect")]
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 use slide::Walk;
 
 /// How a character moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Debug, Default, PartialEq)
+)]
+#[cfg_attr(
+    all(feature = "bevy_reflect", feature = "serde"),
+    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
+)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MoveAndSlide {
     /// Up. Default: y.
     pub up: Dir3,
@@ -33,7 +47,7 @@ pub struct MoveAndSlide {
     pub step_height: f32,
     /// Depth that a step must have to stand on, m. Default: 0.1.
     pub step_depth: f32,
-    /// A character that stands and does not move up is kept on ground that falls away by no more than this, m. Default: 0.3.
+    /// A character that stands and does not move up from its ground is kept on ground that falls away by no more than this, m. Default: 0.3.
     pub snap_distance: f32,
     /// Upper bound of the obstacles that it slides along in one call. Default: 6.
     pub max_slides: u32,
@@ -62,7 +76,7 @@ impl MoveAndSlide {
     }
 
     /// The part of a vector that is not up or down.
-    fn level(&self, vector: Vec3) -> Vec3 {
+    pub(crate) fn level(&self, vector: Vec3) -> Vec3 {
         vector - *self.up * vector.dot(*self.up)
     }
 
@@ -97,7 +111,8 @@ impl SpatialQuery<'_, '_> {
     /// Moves a shape from a pose by a translation (m), and lets it slide along obstacles, climb steps, and keep to the ground when it goes down.
     /// The filter must exclude the character's own body. Where the shape overlaps bodies at the start it is moved out first.
     ///
-    /// On a moving platform add [`Ground::velocity`] times the length of the step to the translation. See `examples/character.rs`.
+    /// On a moving platform add [`Ground::velocity`] times the length of the step to the translation; what counts as going up is relative to the
+    /// ground. The component [`Character`](crate::character::Character) goes with its ground by itself.
     ///
     /// ```
     /// use bevy_transform::components::Transform;
@@ -143,17 +158,92 @@ impl SpatialQuery<'_, '_> {
         }
         let mut walk = Walk::new(self, collider, from, rules, filter);
         walk.leave_overlaps()?;
-        let stood = self.ground(collider, walk.pose, rules, filter)?;
+        let stood = self.stood(collider, walk.pose, rules, filter)?;
         walk.slide(translation, stood.as_ref())?;
-        let goes_up = translation.dot(*rules.up) > 1e-6;
-        if stood.is_some() && !goes_up {
+        if stood.is_some_and(|stood| !self.goes_up(&stood, translation, rules)) {
             walk.snap()?;
         }
-        let ground = self.ground(collider, walk.pose, rules, filter)?;
+        self.arrived(walk)
+    }
+
+    /// Moves a shape as [`move_and_slide`](Self::move_and_slide) does. It `snaps` if it stood and does not take off.
+    pub(crate) fn go(
+        &self,
+        collider: &Collider,
+        from: Pose,
+        translation: Vec3,
+        snaps: bool,
+        rules: &MoveAndSlide,
+        filter: &QueryFilter,
+    ) -> Result<Slide, QueryError> {
+        rules.check()?;
+        let mut walk = Walk::new(self, collider, from, rules, filter);
+        walk.leave_overlaps()?;
+        let stood = match snaps {
+            true => self.ground(collider, walk.pose, rules, filter)?,
+            false => None,
+        };
+        walk.slide(translation, stood.as_ref())?;
+        if stood.is_some() {
+            walk.snap()?;
+        }
+        self.arrived(walk)
+    }
+
+    /// Where a shape gets to that its ground carries along a way, m. The filter must exclude the ground.
+    pub(crate) fn carry(
+        &self,
+        collider: &Collider,
+        from: Pose,
+        way: Vec3,
+        rules: &MoveAndSlide,
+        filter: &QueryFilter,
+    ) -> Result<Vec3, QueryError> {
+        rules.check()?;
+        let mut walk = Walk::new(self, collider, from, rules, filter);
+        walk.slide(way, None)?;
+        Ok(walk.pose.position)
+    }
+
+    fn arrived(&self, walk: Walk) -> Result<Slide, QueryError> {
+        let ground = self.ground(walk.collider, walk.pose, walk.rules, walk.filter)?;
         Ok(Slide {
             position: walk.pose.position,
             ground,
             hits: walk.hits,
         })
+    }
+
+    /// What a character at a pose stood on before the last step, which may have moved it away.
+    fn stood(
+        &self,
+        collider: &Collider,
+        pose: Pose,
+        rules: &MoveAndSlide,
+        filter: &QueryFilter,
+    ) -> Result<Option<Ground>, QueryError> {
+        let reach = 2.0 * rules.margin;
+        let below =
+            self.ground_within(collider, pose, reach + rules.snap_distance, rules, filter)?;
+        Ok(below.filter(|below| {
+            let sank = -below.velocity.dot(*rules.up) * self.step.whole();
+            below.distance - sank.max(0.0) <= reach
+        }))
+    }
+
+    /// Whether a character takes off from its ground: it goes up faster than the ground does, by more than the ground's velocity can change in a
+    /// step, if the ground moves.
+    fn goes_up(&self, stood: &Ground, translation: Vec3, rules: &MoveAndSlide) -> bool {
+        /// m
+        const ROUNDING: f32 = 1e-6;
+        /// m/s²
+        const MOST: f32 = 10.0;
+        let dt = self.step.whole();
+        let ground = stood.velocity.dot(*rules.up) * dt;
+        let doubt = match ground == 0.0 {
+            true => 0.0,
+            false => 0.5 * ground.abs() + MOST * dt * dt,
+        };
+        translation.dot(*rules.up) - ground > ROUNDING + doubt
     }
 }

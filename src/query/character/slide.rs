@@ -45,9 +45,9 @@ impl CharacterHit {
 /// A character on its way.
 pub(super) struct Walk<'a, 'w, 's> {
     query: &'a SpatialQuery<'w, 's>,
-    collider: &'a Collider,
-    rules: &'a MoveAndSlide,
-    filter: &'a QueryFilter<'a>,
+    pub collider: &'a Collider,
+    pub rules: &'a MoveAndSlide,
+    pub filter: &'a QueryFilter<'a>,
     pub pose: Pose,
     pub hits: Vec<CharacterHit>,
 }
@@ -218,7 +218,7 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
         Ok(true)
     }
 
-    /// Keeps the character on ground that falls away.
+    /// Keeps the character at its distance from ground that falls away or rises.
     pub fn snap(&mut self) -> Result<(), QueryError> {
         let rules = self.rules;
         let reach = rules.snap_distance + rules.margin;
@@ -226,8 +226,12 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
             self.query
                 .ground_within(self.collider, self.pose, reach, rules, self.filter)?;
         if let Some(below) = below {
-            let down = (below.distance - rules.margin).max(0.0);
-            self.pose.position -= *rules.up * down;
+            let down = below.distance - rules.margin;
+            let way = match down >= 0.0 {
+                true => -down,
+                false => self.free(self.pose, *rules.up * -down)?.0,
+            };
+            self.pose.position += *rules.up * way;
         }
         Ok(())
     }

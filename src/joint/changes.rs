@@ -187,8 +187,13 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
             }
             return;
         }
+        let is_same = known.definition.bodies == definition.bodies;
         detach(world, joint);
         forget_lost(world);
+        if !is_same {
+            // Angles are those of other bodies.
+            world.entity_mut(joint).insert(JointForces::default());
+        }
     }
     let mut order = order_of(world.entity(joint));
     if order == SpawnOrder::NONE {
@@ -262,7 +267,8 @@ fn detach(world: &mut World, joint: Entity) {
     let mut joint = world.entity_mut(joint);
     if joint.contains::<JointEdge>() {
         joint.remove::<JointEdge>();
-        joint.insert(JointForces::default());
+        let forces = joint.get::<JointForces>().copied().unwrap_or_default();
+        joint.insert(forces.without_forces());
     }
 }
 

@@ -115,7 +115,9 @@ pub(crate) fn weigh_above(world: &mut DeferredWorld, entity: Entity) {
 
 /// Recomputes the mass properties of a body from its components and those of its parts.
 pub(crate) fn weigh_body(world: &mut DeferredWorld, entity: Entity) {
-    let body = world.entity(entity);
+    let Ok(body) = world.get_entity(entity) else {
+        return;
+    };
     let collider = body.get::<Collider>();
     let (Some(kind), false) = (
         body.get::<RigidBody>(),

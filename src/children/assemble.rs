@@ -6,7 +6,7 @@ use super::gather::{ColliderOf, Part, body_of, gather, is_real_body, scale_of};
 use super::implicit::{ImplicitBody, make_body, take_body};
 use crate::body::{Density, Mass, RigidBody, WrittenTransforms, weigh_body};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
-use crate::components::holders_in;
+use crate::components::{FindId, holders_in, remove};
 use crate::diagnosis::{BodyProblem, PartProblem, Suspects, Told};
 use bevy_ecs::component::Components;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
@@ -75,6 +75,9 @@ pub struct Searches {
     nodes: QueryState<Entity, MovedNodes>,
 }
 
+/// What marks a part.
+const OWNED: &[FindId] = &[Components::component_id::<ColliderOf>];
+
 /// Finds the bodies whose parts or scale have changed, and makes their [`CompoundCollider`] anew. Makes colliders without a body static.
 pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
     let searches = searches.get_or_insert_with(|| Searches::from_world(world));
@@ -108,7 +111,7 @@ pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
     for collider in lone {
         if seen.insert(collider) {
             make_body(world, collider, RigidBody::Static);
-            world.entity_mut(collider).remove::<ColliderOf>();
+            remove(world, collider, OWNED);
             bodies.push(collider);
         }
     }
@@ -175,7 +178,7 @@ fn rebuild(world: &mut World, body: Entity) {
     let (Some(kind), Some(parts)) = (kind, parts) else {
         if has_compound {
             disown(world, body, &[]);
-            world.entity_mut(body).remove::<CompoundCollider>();
+            remove(world, body, &[Components::component_id::<CompoundCollider>]);
         }
         // A part that was here only between two steps has been weighed with it.
         weigh_body(&mut DeferredWorld::from(world), body);
@@ -193,7 +196,9 @@ fn rebuild(world: &mut World, body: Entity) {
     let (mut compound, problems) = CompoundCollider::build(body, kind, parts);
     compound.scale = scale_of(world, body);
     report(world, body, &colliders, problems);
-    world.entity_mut(body).insert(compound);
+    if let Ok(mut body) = world.get_entity_mut(body) {
+        body.insert(compound);
+    }
 }
 
 /// Takes the mark of a part from the colliders that are no parts of the body any more.
@@ -206,7 +211,7 @@ fn disown(world: &mut World, body: Entity, parts: &[Part]) {
         if parts.iter().all(|kept| kept.entity != part)
             && world.get::<ColliderOf>(part) == Some(&ColliderOf { body })
         {
-            world.entity_mut(part).remove::<ColliderOf>();
+            remove(world, part, OWNED);
         }
     }
 }
@@ -217,15 +222,17 @@ fn own(world: &mut World, body: Entity, kind: RigidBody, parts: &[Part]) {
     for part in parts.iter().filter(|part| part.entity != body) {
         if is_separate(part, body, first) && kind != RigidBody::Dynamic {
             make_body(world, part.entity, kind);
-            world.entity_mut(part.entity).remove::<ColliderOf>();
+            remove(world, part.entity, OWNED);
             if world.get::<Transform>(part.entity).is_some() {
                 rebuild(world, part.entity);
             }
             continue;
         }
         take_body(world, part.entity);
-        if world.get::<ColliderOf>(part.entity) != Some(&ColliderOf { body }) {
-            world.entity_mut(part.entity).insert(ColliderOf { body });
+        if world.get::<ColliderOf>(part.entity) != Some(&ColliderOf { body })
+            && let Ok(mut part) = world.get_entity_mut(part.entity)
+        {
+            part.insert(ColliderOf { body });
         }
     }
 }

@@ -44,8 +44,10 @@ pub(crate) fn collider_inserted(mut world: DeferredWorld, context: HookContext) 
 
 /// Part of the hook of components whose removal counts as a change.
 pub(crate) fn mark_if_part(world: &mut DeferredWorld, entity: Entity) {
-    let known = world.entity(entity);
-    if known.contains::<ColliderOf>() || known.contains::<CompoundCollider>() {
+    let is_part = world
+        .get_entity(entity)
+        .is_ok_and(|known| known.contains::<ColliderOf>() || known.contains::<CompoundCollider>());
+    if is_part {
         mark(world, entity);
     }
 }

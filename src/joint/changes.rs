@@ -14,7 +14,7 @@ use super::list::{self, DetachedJoints, WrittenJoints, definition};
 use super::{
     BreakForce, JointDisabled, JointError, JointForces, JointFrame, JointProblem, QuarantinedJoint,
 };
-use crate::body::{BodyIndex, BodyState, BodyTable, Pose, SpawnOrder, is_body};
+use crate::body::{BodyState, BodyTable, Pose, RigidBody, SpawnOrder};
 use crate::graph::{ConstraintGraph, EdgeKind, WORLD, activate};
 use crate::mortar::MortarJoint;
 use crate::solver::Both;
@@ -157,7 +157,7 @@ fn examine(world: &mut World, joint: Entity) -> Finding {
         };
         match table.slot_of(world, body) {
             Some(known) => *slot = known,
-            None if is_body(world, body) || is_disabled(world, body) => return Finding::Idle,
+            None if may_return(world, body) => return Finding::Idle,
             None => return Finding::Invalid(JointProblem::NotABody { entity: body }),
         }
     }
@@ -168,9 +168,10 @@ fn examine(world: &mut World, joint: Entity) -> Finding {
     }
 }
 
-fn is_disabled(world: &World, body: Entity) -> bool {
+/// Whether an entity is a body, also one that does not take part for the moment: new, disabled in any way, taken out, or quarantined.
+fn may_return(world: &World, body: Entity) -> bool {
     let body = world.get_entity(body);
-    body.is_ok_and(|body| body.contains::<Disabled>() && body.contains::<BodyIndex>())
+    body.is_ok_and(|body| body.contains::<RigidBody>())
 }
 
 /// Gives a joint its edge, or takes over what has changed about it.

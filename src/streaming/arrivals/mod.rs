@@ -169,7 +169,7 @@ fn take_grounds(world: &mut World) -> Vec<Entity> {
     });
     let grounds: Vec<Entity> = new.map(|(entity, ..)| entity).collect();
     let marked = grounds.iter().map(|&ground| (ground, Inactive::new()));
-    world.insert_batch(marked.collect::<Vec<_>>());
+    _ = world.try_insert_batch(marked.collect::<Vec<_>>());
     grounds
 }
 

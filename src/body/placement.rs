@@ -32,7 +32,8 @@ pub struct Teleport;
 pub(super) type Placed<'w, 's> = Query<'w, 's, (&'static Transform, Option<&'static ChildOf>)>;
 
 /// The pose that the user gave the body through `Transform` (or, for a new body, through `Pose`), if the body was moved. A change of a
-/// parent's `Transform` between two steps moves the body too.
+/// parent's `Transform` between two steps moves the body too, but for a dynamic body below a kinematic one; see
+/// [`stay`](crate::children::stay).
 pub(crate) fn user_pose(
     (transform, parent): (&Transform, Option<&ChildOf>),
     pose: Pose,
@@ -104,7 +105,7 @@ impl BodyState {
 }
 
 /// The velocity that takes a body from one pose to another in `dt` s. `center` is its centre of mass in its frame, m.
-fn velocity_between(from: &Pose, to: &Pose, center: Vec3, dt: f32) -> Velocity {
+pub(crate) fn velocity_between(from: &Pose, to: &Pose, center: Vec3, dt: f32) -> Velocity {
     let turn = to.rotation * from.rotation.inverse();
     // Two rotations lead to this orientation. Take the shorter one.
     let turn = if turn.w < 0.0 { -turn } else { turn };

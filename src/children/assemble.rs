@@ -104,8 +104,9 @@ pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
         return;
     }
     let mut lone = Vec::new();
+    let mut seen = EntityHashSet::default();
     for root in roots {
-        visit(world, root, &mut bodies, &mut lone);
+        visit(world, root, &mut seen, (&mut bodies, &mut lone));
     }
     let mut seen = EntityHashSet::default();
     for collider in lone {
@@ -130,8 +131,14 @@ fn known_scale(known: Option<&CompoundCollider>) -> Vec3 {
     known.map_or(Vec3::ONE, CompoundCollider::scale)
 }
 
-/// Finds the bodies that the colliders at and below an entity belonged to and belong to, and those that belong to none.
-fn visit(world: &World, root: Entity, bodies: &mut Vec<Entity>, lone: &mut Vec<Entity>) {
+/// Finds the bodies that the colliders at and below an entity belonged to and belong to, and those that belong to none. What was seen already is
+/// left out: a body is marked once for each of its parts.
+fn visit(
+    world: &World,
+    root: Entity,
+    seen: &mut EntityHashSet,
+    (bodies, lone): (&mut Vec<Entity>, &mut Vec<Entity>),
+) {
     if !world.entities().contains(root) {
         return;
     }
@@ -141,6 +148,9 @@ fn visit(world: &World, root: Entity, bodies: &mut Vec<Entity>, lone: &mut Vec<E
         let Ok(entity) = world.get_entity(at) else {
             continue;
         };
+        if !seen.insert(at) {
+            continue;
+        }
         bodies.extend(entity.get::<ColliderOf>().map(|part| part.body));
         if is_real_body(entity) {
             bodies.push(at);
@@ -206,11 +216,10 @@ fn disown(world: &mut World, body: Entity, parts: &[Part]) {
     let Some(known) = world.get::<CompoundCollider>(body) else {
         return;
     };
-    let gone: Vec<Entity> = known.parts().collect();
+    let kept: EntityHashSet = parts.iter().map(|part| part.entity).collect();
+    let gone: Vec<Entity> = known.parts().filter(|part| !kept.contains(part)).collect();
     for part in gone {
-        if parts.iter().all(|kept| kept.entity != part)
-            && world.get::<ColliderOf>(part) == Some(&ColliderOf { body })
-        {
+        if world.get::<ColliderOf>(part) == Some(&ColliderOf { body }) {
             remove(world, part, OWNED);
         }
     }
@@ -246,9 +255,9 @@ fn report(
 ) {
     let mut told = std::mem::take(&mut world.resource_mut::<Told>().strays);
     told.retain(|part| world.entities().contains(*part));
-    let is_bad = |part: Entity| problems.iter().any(|(bad, _)| *bad == part);
+    let bad: EntityHashSet = problems.iter().map(|&(part, _)| part).collect();
     for part in colliders {
-        if !is_bad(*part) {
+        if !bad.contains(part) {
             told.remove(part);
         }
     }

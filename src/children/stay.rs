@@ -16,9 +16,10 @@ use glam::Vec3;
 
 type Placed = QueryState<(&'static Transform, Option<&'static ChildOf>)>;
 
-/// Rounding of a pose that is computed by way of another frame, as a share of the coordinates; and of the parts of a rotation.
+/// Rounding of a pose that is computed by way of another frame, as a share of the coordinates; and of the parts of a rotation. Those of a frame may
+/// not be of unit length, because users turn it.
 const ROUNDING: f32 = 1e-6;
-const TURN: f32 = 4e-6;
+const TURN: f32 = 1e-5;
 
 /// Part of the stage *prepare*.
 pub fn stay(world: &mut World, placed: &mut Placed) {
@@ -56,11 +57,15 @@ fn visit(world: &mut World, placed: &mut Placed, carrier: Entity) {
                 Some(RigidBody::Dynamic) => {
                     let put = Pose {
                         position: here.translation,
-                        rotation: here.rotation,
+                        // Rounding makes it longer from step to step, and *prepare* bears that.
+                        rotation: here.rotation.normalize(),
                     };
+                    let arm = here.translation.distance(frame.translation);
                     let known = world.get::<Pose>(at).copied();
                     // A body that the user has moved below its parent goes there.
-                    let pose = known.filter(|known| is_near(known, &put)).unwrap_or(put);
+                    let pose = known
+                        .filter(|known| is_near(known, &put, arm))
+                        .unwrap_or(put);
                     let parent = world.get::<ChildOf>(at);
                     let local = local_pose(pose, parent, placed.query(world));
                     // A frame of size zero has no inside.
@@ -123,7 +128,8 @@ fn is_sent(world: &World, placed: &mut Placed, body: Entity) -> bool {
     })
 }
 
-fn is_near(one: &Pose, other: &Pose) -> bool {
+/// Whether two poses differ by rounding; `arm` is the distance from the frame by way of which one of them was computed, m.
+fn is_near(one: &Pose, other: &Pose, arm: f32) -> bool {
     let far = one.position.abs().max_element() + 1.0;
     let turn = |sign: f32| {
         let off = one.rotation.to_array().into_iter();
@@ -131,5 +137,5 @@ fn is_near(one: &Pose, other: &Pose) -> bool {
         off.fold(0.0, |most: f32, (a, b)| most.max((a - sign * b).abs()))
     };
     let off: Vec3 = (one.position - other.position).abs();
-    off.max_element() <= ROUNDING * far && turn(1.0).min(turn(-1.0)) <= TURN
+    off.max_element() <= ROUNDING * far + TURN * arm && turn(1.0).min(turn(-1.0)) <= TURN
 }

@@ -197,7 +197,7 @@ fn a_brick_below_a_ship_that_turns_lies_where_it_lay() {
             place.rotation = Quat::from_rotation_y(0.05 * t * t) * start
         });
         let after = ship.on_deck();
-        assert!((after - before).length() < 0.06, "{what}: {before} {after}");
+        assert!((after - before).length() < 0.02, "{what}: {before} {after}");
     });
 }
 

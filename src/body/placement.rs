@@ -8,6 +8,7 @@ use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::Vec3;
+use smallvec::SmallVec;
 
 /// Marks a kinematic body whose change of `Transform` moves it at once: it gets no velocity from the change and does not carry other bodies
 /// along. The next step removes this component.
@@ -67,19 +68,27 @@ pub(crate) fn user_pose(
 
 /// A pose in the frame of its parent, or unchanged if there is no parent.
 pub(crate) fn local_pose(
-    pose: Pose,
+    mut pose: Pose,
     parent: Option<&ChildOf>,
     placed: Query<(&Transform, Option<&ChildOf>)>,
 ) -> Pose {
-    let Some((frame, above)) = parent.and_then(|parent| placed.get(parent.0).ok()) else {
-        return pose;
-    };
-    let pose = local_pose(pose, above, placed);
-    let back = frame.rotation.inverse();
-    Pose {
-        position: back * (pose.position - frame.translation) / frame.scale,
-        rotation: back * pose.rotation,
+    // A hierarchy may be deeper than the stack.
+    let mut frames = SmallVec::<[&Transform; 8]>::new();
+    let mut above = parent;
+    while let Some(ChildOf(parent)) = above
+        && let Ok((frame, grandparent)) = placed.get_inner(*parent)
+    {
+        frames.push(frame);
+        above = grandparent;
     }
+    for frame in frames.into_iter().rev() {
+        let back = frame.rotation.inverse();
+        pose = Pose {
+            position: back * (pose.position - frame.translation) / frame.scale,
+            rotation: back * pose.rotation,
+        };
+    }
+    pose
 }
 
 impl BodyState {

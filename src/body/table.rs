@@ -343,6 +343,9 @@ pub struct BodyTable {
     /// Slots of bodies whose contacts are solved in another way since the last update of the islands: their [locks](super::LockedAxes) or
     /// their [dominance](super::Dominance) have changed.
     pub(crate) solved_anew: Vec<u32>,
+    /// Slots of bodies that got [`ContactEvents`](crate::contact::ContactEvents) in this step while they were in the table: the contacts that they have
+    /// already are told.
+    pub(crate) listening: Vec<u32>,
     /// Slots of two bodies that do not collide because joints connect them, the lower one first; with the number of those joints.
     #[cfg_attr(
         feature = "serde",
@@ -371,6 +374,7 @@ clone_fields!(BodyTable {
     departures,
     removed,
     solved_anew,
+    listening,
     not_colliding,
     last_properties,
     spawn_orders,

@@ -259,7 +259,9 @@ pub(crate) fn warn([a, b]: [&BodyState; 2], warnings: &mut Vec<(Entity, BodyProb
         return;
     }
     let ratio = a.mass.inverse_mass / b.mass.inverse_mass;
-    if !(EXTREME_MASS_RATIO.recip()..=EXTREME_MASS_RATIO).contains(&ratio) {
+    // A body that dominates counts as infinitely heavy.
+    let counts = !a.dominates(b) && !b.dominates(a);
+    if counts && !(EXTREME_MASS_RATIO.recip()..=EXTREME_MASS_RATIO).contains(&ratio) {
         let (heavy, light) = if ratio < 1.0 { (a, b) } else { (b, a) };
         warnings.push((
             heavy.entity,

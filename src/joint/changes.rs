@@ -15,6 +15,7 @@ use super::{
     BreakForce, JointDisabled, JointError, JointForces, JointFrame, JointProblem, QuarantinedJoint,
 };
 use crate::body::{BodyState, BodyTable, Pose, RigidBody, SpawnOrder};
+use crate::diagnosis::{BodyProblem, EXTREME_JOINT_RATIO, Suspects};
 use crate::graph::{ConstraintGraph, EdgeKind, WORLD, activate};
 use crate::mortar::MortarJoint;
 use crate::solver::Both;
@@ -225,6 +226,7 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
         return;
     }
     let spawn_orders = spawn_orders(world, slots);
+    warn(world, slots);
     let mut graph = world.resource_mut::<ConstraintGraph>();
     let edge = graph.insert(EdgeKind::Joint, slots);
     graph.name(edge, joint);
@@ -245,6 +247,24 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
         order,
         definition,
     });
+}
+
+/// Warns of a new joint between dynamic bodies of which one is much heavier.
+fn warn(world: &mut World, slots: [u32; 2]) {
+    let table = world.resource::<BodyTable>();
+    let dynamic = |slot: u32| table.get(slot).filter(|body| body.is_dynamic());
+    let [Some(a), Some(b)] = slots.both(dynamic) else {
+        return;
+    };
+    let (heavy, light) = match a.mass.inverse_mass < b.mass.inverse_mass {
+        true => (a, b),
+        false => (b, a),
+    };
+    if light.mass.inverse_mass > EXTREME_JOINT_RATIO * heavy.mass.inverse_mass {
+        let other = light.entity;
+        let warning = (heavy.entity, BodyProblem::ExtremeJointRatio { other });
+        world.resource_mut::<Suspects>().0.push(warning);
+    }
 }
 
 fn spawn_orders(world: &World, slots: [u32; 2]) -> [SpawnOrder; 2] {

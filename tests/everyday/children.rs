@@ -1,7 +1,9 @@
 //! Bodies with many children, and bodies below bodies.
 
 use super::*;
+use bevy_ecs::message::Messages;
 use drystone::children::CompoundCollider;
+use drystone::diagnosis::BodyProblem;
 use std::time::Instant;
 
 /// Seconds to spawn a body with so many parts, and to take a step.
@@ -283,4 +285,86 @@ fn a_brick_is_put_elsewhere_on_a_ship_that_sails() {
             "{below:?}: {way}"
         );
     }
+}
+
+#[test]
+fn a_scale_of_zero_is_named_as_the_cause() {
+    for scale in [
+        Vec3::ZERO,
+        Vec3::new(1.0, 0.0, 1.0),
+        Vec3::new(f32::NAN, 1.0, 1.0),
+        Vec3::splat(1e-20),
+    ] {
+        for below in [false, true] {
+            // A pose below such an entity is not finite either.
+            if below && scale.is_nan() {
+                continue;
+            }
+            let mut app = app();
+            let world = app.world_mut();
+            let place = at(0.0, 1.0, 0.0).with_scale(scale);
+            let body = world
+                .spawn((RigidBody::Dynamic, cube(1.0), at(0.0, 1.0, 0.0)))
+                .id();
+            if below {
+                let above = world.spawn(place).id();
+                world.entity_mut(body).insert(ChildOf(above));
+            } else {
+                world.entity_mut(body).insert(place);
+            }
+            let mut errors: Vec<BodyError> = Vec::new();
+            for _ in 0..5 {
+                steps(world, 1);
+                errors.extend(world.resource_mut::<Messages<BodyError>>().drain());
+            }
+            assert_eq!(errors.len(), 1, "{scale}: {errors:?}");
+            assert_eq!(errors[0].problem, BodyProblem::InvalidScale, "{scale}");
+            assert!(errors[0].to_string().contains("scale"));
+            // It comes back.
+            let mended = if below {
+                world.get::<ChildOf>(body).unwrap().parent()
+            } else {
+                body
+            };
+            world.get_mut::<Transform>(mended).unwrap().scale = Vec3::ONE;
+            steps(world, 3);
+            assert!(world.get::<Quarantined>(body).is_none(), "{scale}, {below}");
+        }
+    }
+}
+
+/// A negative scale mirrors a shape, and is named where the shape cannot be mirrored.
+#[test]
+fn a_negative_scale_mirrors_or_is_named() {
+    let mut app = app();
+    let world = app.world_mut();
+    let points = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y, Vec3::Z];
+    let hull = Collider::convex_hull(&points).unwrap();
+    let body = world
+        .spawn((
+            RigidBody::Dynamic,
+            hull,
+            at(0.0, 5.0, 0.0).with_scale(Vec3::splat(-1.0)),
+        ))
+        .id();
+    let field = Collider::height_field(&[vec![0.0; 2], vec![0.0; 2]], Vec3::ONE).unwrap();
+    let field = world
+        .spawn((
+            RigidBody::Static,
+            field,
+            at(0.0, 0.0, 0.0).with_scale(Vec3::splat(-1.0)),
+        ))
+        .id();
+    steps(world, 1);
+    let mut errors = world.resource_mut::<Messages<BodyError>>();
+    let errors: Vec<_> = errors
+        .drain()
+        .map(|error| (error.entity, error.problem))
+        .collect();
+    assert_eq!(errors, [(field, BodyProblem::InvalidScale)]);
+    let center = world.get::<MassProperties>(body).unwrap().local_center;
+    assert!(
+        (center - Vec3::new(-0.5, -0.25, -0.25)).length() < 1e-5,
+        "{center}"
+    );
 }

@@ -3,6 +3,7 @@
 use super::*;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::message::Messages;
+use drystone::diagnosis::BodyProblem;
 
 fn errors(world: &mut World) -> Vec<String> {
     let mut errors = world.resource_mut::<Messages<JointError>>();
@@ -132,5 +133,90 @@ fn a_joint_to_what_is_no_body_is_an_error_still() {
         world.spawn(FixedJoint::new(none, body));
         steps(world, 1);
         assert_eq!(errors(world).len(), 1);
+    }
+}
+
+/// Takes steps, and returns what was said of bodies.
+fn warnings(world: &mut World, count: usize) -> Vec<(Entity, BodyProblem)> {
+    let mut all = Vec::new();
+    for _ in 0..count {
+        steps(world, 1);
+        let mut errors = world.resource_mut::<Messages<BodyError>>();
+        all.extend(errors.drain().map(|error| (error.entity, error.problem)));
+    }
+    all
+}
+
+/// Two bodies with a joint between them, of 1 kg and `ratio` kg.
+fn pair(world: &mut World, ratio: f32, swapped: bool) -> [Entity; 2] {
+    let body = |mass, x| {
+        (
+            RigidBody::Dynamic,
+            cube(0.5),
+            Mass(mass),
+            GravityScale(0.0),
+            at(x, 0.0, 0.0),
+        )
+    };
+    let [light, heavy] = [body(1.0, 0.0), body(ratio, 2.0)].map(|body| world.spawn(body).id());
+    let ends = if swapped {
+        [heavy, light]
+    } else {
+        [light, heavy]
+    };
+    world.spawn(FixedJoint::new(ends[0], ends[1]));
+    [light, heavy]
+}
+
+#[test]
+fn a_joint_at_an_extreme_mass_ratio_is_told_once() {
+    for swapped in [false, true] {
+        let mut app = app();
+        let world = app.world_mut();
+        let [light, heavy] = pair(world, 1e7, swapped);
+        // It counts also where one body dominates the other in contacts.
+        world.entity_mut(light).insert(Dominance(1));
+        let problem = BodyProblem::ExtremeJointRatio { other: light };
+        assert_eq!(warnings(world, 30), [(heavy, problem)]);
+        assert!(world.get::<Quarantined>(heavy).is_none());
+    }
+}
+
+#[test]
+fn usual_joints_are_not_warned_of() {
+    for ratio in [1.0, 1e3, 5e4] {
+        let mut app = app();
+        let world = app.world_mut();
+        pair(world, ratio, false);
+        let anchor = world
+            .spawn((RigidBody::Kinematic, cube(1.0), at(0.0, 9.0, 0.0)))
+            .id();
+        let body = (RigidBody::Dynamic, cube(0.1), Mass(1e-3), at(0.0, 7.0, 0.0));
+        let body = world.spawn(body).id();
+        world.spawn(FixedJoint::new(anchor, body));
+        assert_eq!(warnings(world, 10), [], "{ratio}");
+    }
+}
+
+/// A body that dominates is as good as infinitely heavy, whatever it weighs.
+#[test]
+fn masses_in_contact_are_not_warned_of_where_they_do_not_count() {
+    for dominance in [0, 1, -1] {
+        let mut app = app();
+        let world = app.world_mut();
+        world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+        world.spawn((RigidBody::Dynamic, cube(1.0), Mass(1e5), at(0.0, 0.5, 0.0)));
+        let feather = (
+            RigidBody::Dynamic,
+            cube(1.0),
+            Mass(1.0),
+            Dominance(dominance),
+        );
+        world.spawn((feather, at(0.0, 1.5, 0.0)));
+        assert_eq!(
+            warnings(world, 10).len(),
+            usize::from(dominance == 0),
+            "{dominance}"
+        );
     }
 }

@@ -1,12 +1,9 @@
 //! Hooks and observers of users run within a step, and may do anything.
 
 use super::*;
-use bevy_ecs::entity_disabling::Disabled;
-use drystone::body::BodyIndex;
-use drystone::children::{ColliderOf, CompoundCollider, ImplicitBody};
 use drystone::contact::ContactPair;
-use drystone::joint::JointEdge;
 use drystone::mortar::MortarJoint;
+use support::mischief;
 
 /// Three bricks with mortar, one on another.
 fn pillar(world: &mut World) -> [Entity; 3] {
@@ -112,102 +109,6 @@ fn an_observer_of_a_pair_may_ask() {
     steps(world, 3);
 }
 
-/// What observers do, at random.
-#[derive(Resource)]
-struct Mischief {
-    state: u64,
-    /// How often they may still act in this step.
-    left: usize,
-    /// The kind of what they do; any if there are no more kinds.
-    kind: usize,
-}
-
-const KINDS: usize = 12;
-
-impl Mischief {
-    fn roll(&mut self, sides: usize) -> usize {
-        self.state = self
-            .state
-            .wrapping_mul(0x5851_f42d_4c95_7f2d)
-            .wrapping_add(0x1405_7b7e_f767_814f);
-        (self.state >> 33) as usize % sides.max(1)
-    }
-}
-
-/// Does something to the entity of an event, or to another one.
-fn act(world: &mut World, entity: Entity) {
-    let bodies = world.query_filtered::<Entity, (With<BodyIndex>, Allow<Disabled>)>();
-    let others = world
-        .query_filtered::<Entity, Or<(With<ContactPair>, With<JointForces>, With<Collider>)>>();
-    let all = |world: &World, mut query: QueryState<Entity, _>| {
-        query.iter(world).collect::<Vec<Entity>>()
-    };
-    let bodies = {
-        let mut query = bodies;
-        query.iter(world).collect::<Vec<_>>()
-    };
-    let others = all(world, others);
-    let Some(mut mischief) = world.get_resource_mut::<Mischief>() else {
-        return;
-    };
-    if mischief.left == 0 || mischief.roll(3) > 0 {
-        return;
-    }
-    mischief.left -= 1;
-    let kind = match mischief.kind {
-        KINDS => mischief.roll(KINDS),
-        kind => kind,
-    };
-    let body = bodies.get(mischief.roll(bodies.len())).copied();
-    let parent = bodies.get(mischief.roll(bodies.len())).copied();
-    let other = others.get(mischief.roll(others.len())).copied();
-    let (Some(body), Some(parent), Some(other)) = (body, parent, other) else {
-        return;
-    };
-    // Which entities are above another one.
-    let mut above = Some(parent);
-    let mut is_below = false;
-    while let Some(at) = above {
-        is_below |= at == body;
-        above = world.get::<ChildOf>(at).map(ChildOf::parent);
-    }
-    let entity = match kind {
-        0 => entity,
-        1 | 2 => other,
-        _ => body,
-    };
-    let Ok(mut entity) = world.get_entity_mut(entity) else {
-        return;
-    };
-    match kind {
-        0 | 1 | 3 => entity.despawn(),
-        2 => _ = entity.clear(),
-        4 => _ = entity.insert(RigidBodyDisabled),
-        5 => _ = entity.insert(Disabled),
-        6 => _ = entity.remove::<RigidBody>(),
-        7 if !is_below => _ = entity.insert(ChildOf(parent)),
-        8 => _ = entity.insert(Mass(f32::NAN)),
-        9 => _ = entity.insert(Collider::ball(0.3)),
-        10 => _ = entity.remove::<(RigidBodyDisabled, Disabled, ChildOf)>(),
-        11 => _ = entity.remove::<(BodyIndex, Collider)>(),
-        _ => (),
-    }
-}
-
-/// Has observers act at each event of these components.
-macro_rules! listen {
-    ($world:expr, $($Component:ty),+ $(,)?) => {$(
-        $world.add_observer(|on: On<Insert<$Component>>, mut commands: Commands| {
-            let entity = on.entity;
-            commands.queue(move |world: &mut World| act(world, entity));
-        });
-        $world.add_observer(|on: On<Remove<$Component>>, mut commands: Commands| {
-            let entity = on.entity;
-            commands.queue(move |world: &mut World| act(world, entity));
-        });
-    )+};
-}
-
 /// A world in which everything happens.
 fn busy(world: &mut World, step: usize) {
     let x = (step % 7) as f32;
@@ -292,43 +193,15 @@ fn busy(world: &mut World, step: usize) {
 
 #[test]
 fn observers_may_do_anything_at_any_event() {
-    for kind in 0..=KINDS {
+    for kind in 0..=mischief::KINDS {
         let mut app = app();
         let world = app.world_mut();
         world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
         world.resource_mut::<SleepSettings>().delay = 0.1;
-        world.insert_resource(Mischief {
-            state: 77 + kind as u64,
-            left: 0,
-            kind,
-        });
-        listen!(
-            world,
-            MortarJoint,
-            Mortar,
-            JointForces,
-            JointEdge,
-            JointDisabled,
-            QuarantinedJoint,
-            Quarantined,
-            ContactPair,
-            drystone::body::Inactive,
-            ColliderOf,
-            ImplicitBody,
-            CompoundCollider,
-            BodyIndex,
-            RigidBody,
-            RigidBodyDisabled,
-            Collider,
-            ChildOf,
-            drystone::body::SpawnOrder,
-            MassProperties,
-        );
+        mischief::listen(world, 77 + kind as u64, kind, Vec::new());
         for step in 0..150 {
-            world.resource_mut::<Mischief>().left = 0;
             busy(world, step);
-            world.resource_mut::<Mischief>().left = 3;
-            steps(world, 1);
+            mischief::during(world, |world| steps(world, 1));
         }
     }
 }

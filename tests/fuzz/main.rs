@@ -30,7 +30,7 @@ fn whatever_is_done_to_another_world_hurts_nobody_else() {
 
 #[test]
 fn observers_that_do_anything_within_a_step_hurt_nobody_else() {
-    misbehave(0..200);
+    misbehave(0..120);
 }
 
 #[test]

@@ -85,7 +85,7 @@ pub use spawn_order::SpawnOrder;
 #[cfg(feature = "serde")]
 pub(crate) use table::Noted;
 pub use table::{BodyIndex, BodyState, BodyTable};
-pub(crate) use table::{is_body, lost_description, note_loss};
+pub(crate) use table::{is_body, lost_description, note_loss, with_table};
 pub use written_transforms::{WrittenTransforms, find_written_transforms};
 
 use bevy_ecs::prelude::*;

@@ -1,6 +1,7 @@
 //! Hooks and observers of users run within a step, and may do anything.
 
 use super::*;
+use drystone::body::BodyTable;
 use drystone::contact::ContactPair;
 use drystone::mortar::MortarJoint;
 use support::mischief;
@@ -79,6 +80,42 @@ fn an_observer_despawns_bodies_that_are_about_to_be_put_back() {
     drystone::streaming::put_back(world, region);
     steps(world, 3);
     assert!(bodies.iter().all(|&body| world.get_entity(body).is_err()));
+}
+
+/// Bodies that go while others arrive are not forgotten in the table.
+#[test]
+fn an_observer_despawns_bodies_while_others_arrive_asleep() {
+    for victim in [0, 5, 39, 40] {
+        let mut app = app();
+        let world = app.world_mut();
+        world.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+        let lone = world
+            .spawn((RigidBody::Dynamic, cube(1.0), at(0.0, 0.5, 9.0)))
+            .id();
+        steps(world, 60);
+        let bodies = (0..40).map(|i| {
+            (
+                RigidBody::Dynamic,
+                cube(1.0),
+                at((i / 4) as f32 * 1.5, 0.5 + (i % 4) as f32, 0.0),
+            )
+        });
+        let mut bodies = drystone::streaming::spawn_asleep(world, bodies);
+        bodies.push(lone);
+        let victim = bodies[victim];
+        world.add_observer(move |_: On<Insert<ContactPair>>, mut commands: Commands| {
+            commands.entity(victim).try_despawn()
+        });
+        steps(world, 3);
+        assert!(world.get_entity(victim).is_err());
+        assert_eq!(world.resource::<BodyTable>().count(), 41);
+        let down = Ray3d::new(Vec3::new(0.0, 99.0, 9.0), Dir3::NEG_Y);
+        let hit = spatial_query(world, |query| {
+            query.cast_ray(down, 200.0, &QueryFilter::default())
+        });
+        let hit = hit.unwrap().unwrap();
+        assert_eq!(hit.entity == lone, victim != lone);
+    }
 }
 
 /// An observer of a new pair asks for what the simulation knows.

@@ -1,6 +1,7 @@
 //! Angles of joints count turns.
 
 use super::*;
+use drystone::recording::{Recorder, RecorderSettings, Recording, Replay};
 use drystone::snapshot::Snapshot;
 use drystone::solver::Pgs;
 use std::f32::consts::{PI, TAU};
@@ -493,6 +494,28 @@ fn turns_are_kept_by_snapshots() {
         .unwrap();
     steps(world, 120);
     assert_eq!(bits(world, ids[&id]), wanted);
+}
+
+#[test]
+fn turns_are_kept_by_recordings() {
+    let mut arm = on_its_way();
+    let joint = arm.joint;
+    Recorder::start(arm.world(), RecorderSettings::default()).unwrap();
+    arm.run(1.0);
+    // A change from outside, many turns from where it began.
+    let motor = JointMotor::position(-2.0 * TAU, 40.0, 9.0);
+    arm.world().get_mut::<RevoluteJoint>(joint).unwrap().motor = Some(motor);
+    arm.run(6.0);
+    arm.rests_at(-2.0 * TAU, "recorded");
+    let bytes = Recorder::stop(arm.world()).unwrap();
+    let recording = Recording::from_bytes(&bytes).unwrap();
+    let mut other = app();
+    let mut replay = Replay::start(&recording, other.world_mut()).unwrap();
+    while replay.step(other.world_mut()).unwrap() {}
+    assert_eq!(replay.divergence(), None);
+    let there = replay.entity(joint).unwrap();
+    let told = other.world().get::<JointForces>(there).unwrap().angle();
+    assert_eq!(told, Some(arm.told()));
 }
 
 #[test]

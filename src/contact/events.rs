@@ -196,7 +196,7 @@ pub fn contact_events(
             if let Ok((entity, (pair, _, manifold, impulses, ..))) = pairs.get(pair)
                 && pair.announced()
             {
-                let found = event(entity, pair, &manifold, impulses);
+                let found = event(entity, pair, manifold, impulses);
                 let is_first = pair.slots[0] == slot;
                 known.push((
                     pair.spawn_orders,

@@ -86,11 +86,10 @@ pub fn activate(world: &mut World) {
     for (_, body, is_dynamic) in risen {
         remove(world, body, &[Components::component_id::<Inactive>]);
         // Whoever heard of it may have despawned it.
-        if let Ok(mut body) = world.get_entity_mut(body) {
-            if let Some(mut sleeping) = body.get_mut::<Sleeping>().filter(|_| is_dynamic) {
-                // It was woken while it was inactive, without a mark.
-                sleeping.set_changed();
-            }
+        let mut sleeping = world.get_mut::<Sleeping>(body);
+        if let Some(sleeping) = sleeping.as_mut().filter(|_| is_dynamic) {
+            // It was woken while it was inactive, without a mark.
+            sleeping.set_changed();
         }
     }
     find_active_rows(world);

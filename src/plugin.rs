@@ -227,6 +227,7 @@ impl Plugin for BodyPlugin {
                 own(&profile, "prepare", body::lift)
                     .run_if(any_with(Components::component_id::<body::Quarantined>)),
                 own(&profile, "prepare", streaming::arrive).run_if(streaming::any_arrivals),
+                own(&profile, "prepare", children::stay).run_if(integration::any_children),
                 own(&profile, "prepare", body::prepare),
                 own(&profile, "prepare", body::quarantine).run_if(body::any_suspects),
                 own(&profile, "prepare", graph::activate).run_if(graph::any_disturbed),

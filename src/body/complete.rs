@@ -16,6 +16,6 @@ pub fn complete(
         let transform = Transform::from_translation(pose.position).with_rotation(pose.rotation);
         commands
             .entity(body)
-            .insert_if_new((transform, essentials()));
+            .try_insert_if_new((transform, essentials()));
     }
 }

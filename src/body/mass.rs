@@ -106,16 +106,28 @@ pub(crate) fn weigh(mut world: DeferredWorld, context: HookContext) {
 /// there, so that step weighs the body once more.
 pub(crate) fn weigh_above(world: &mut DeferredWorld, entity: Entity) {
     if let Some(body) = children::body_of(world, entity) {
-        weigh_body(world, body);
-        if body != entity {
-            children::mark(world, body);
+        if body == entity {
+            weigh_body(world, body);
+        } else {
+            weigh_with_parts(world, body);
         }
     }
 }
 
+/// Recomputes the mass properties of a body that got a part, and has the next step weigh it once more. That of a body with many parts is left to the
+/// step: each part that is added would weigh all of them.
+pub(crate) fn weigh_with_parts(world: &mut DeferredWorld, body: Entity) {
+    if children::has_few(world, body) {
+        weigh_body(world, body);
+    }
+    children::mark(world, body);
+}
+
 /// Recomputes the mass properties of a body from its components and those of its parts.
 pub(crate) fn weigh_body(world: &mut DeferredWorld, entity: Entity) {
-    let body = world.entity(entity);
+    let Ok(body) = world.get_entity(entity) else {
+        return;
+    };
     let collider = body.get::<Collider>();
     let (Some(kind), false) = (
         body.get::<RigidBody>(),

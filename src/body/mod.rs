@@ -65,12 +65,12 @@ pub(crate) use listed::register;
 pub(crate) use listed::{COPIED, visit};
 pub use locked_axes::LockedAxes;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
-pub(crate) use mass::{weigh, weigh_above, weigh_body};
+pub(crate) use mass::{weigh, weigh_above, weigh_body, weigh_with_parts};
 pub use max_speed::{MaxAngularSpeed, MaxLinearSpeed};
 pub use motion::Motion;
 pub use pending::{Pending, refresh};
 pub use placement::Teleport;
-pub(crate) use placement::{local_pose, user_pose};
+pub(crate) use placement::{local_pose, user_pose, velocity_between};
 pub use prepare::prepare;
 pub(crate) use prepare::{NewBodies, add_asleep};
 #[doc(hidden)]
@@ -85,7 +85,7 @@ pub use spawn_order::SpawnOrder;
 #[cfg(feature = "serde")]
 pub(crate) use table::Noted;
 pub use table::{BodyIndex, BodyState, BodyTable};
-pub(crate) use table::{is_body, lost_description, note_loss};
+pub(crate) use table::{is_body, lost_description, note_loss, with_table};
 pub use written_transforms::{WrittenTransforms, find_written_transforms};
 
 use bevy_ecs::prelude::*;

@@ -8,6 +8,7 @@ use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::Transform;
 use glam::Vec3;
+use smallvec::SmallVec;
 
 /// Marks a kinematic body whose change of `Transform` moves it at once: it gets no velocity from the change and does not carry other bodies
 /// along. The next step removes this component.
@@ -32,7 +33,8 @@ pub struct Teleport;
 pub(super) type Placed<'w, 's> = Query<'w, 's, (&'static Transform, Option<&'static ChildOf>)>;
 
 /// The pose that the user gave the body through `Transform` (or, for a new body, through `Pose`), if the body was moved. A change of a
-/// parent's `Transform` between two steps moves the body too.
+/// parent's `Transform` between two steps moves the body too, but for a dynamic body below a kinematic one; see
+/// [`stay`](crate::children::stay).
 pub(crate) fn user_pose(
     (transform, parent): (&Transform, Option<&ChildOf>),
     pose: Pose,
@@ -66,19 +68,27 @@ pub(crate) fn user_pose(
 
 /// A pose in the frame of its parent, or unchanged if there is no parent.
 pub(crate) fn local_pose(
-    pose: Pose,
+    mut pose: Pose,
     parent: Option<&ChildOf>,
     placed: Query<(&Transform, Option<&ChildOf>)>,
 ) -> Pose {
-    let Some((frame, above)) = parent.and_then(|parent| placed.get(parent.0).ok()) else {
-        return pose;
-    };
-    let pose = local_pose(pose, above, placed);
-    let back = frame.rotation.inverse();
-    Pose {
-        position: back * (pose.position - frame.translation) / frame.scale,
-        rotation: back * pose.rotation,
+    // A hierarchy may be deeper than the stack.
+    let mut frames = SmallVec::<[&Transform; 8]>::new();
+    let mut above = parent;
+    while let Some(ChildOf(parent)) = above
+        && let Ok((frame, grandparent)) = placed.get_inner(*parent)
+    {
+        frames.push(frame);
+        above = grandparent;
     }
+    for frame in frames.into_iter().rev() {
+        let back = frame.rotation.inverse();
+        pose = Pose {
+            position: back * (pose.position - frame.translation) / frame.scale,
+            rotation: back * pose.rotation,
+        };
+    }
+    pose
 }
 
 impl BodyState {
@@ -104,7 +114,7 @@ impl BodyState {
 }
 
 /// The velocity that takes a body from one pose to another in `dt` s. `center` is its centre of mass in its frame, m.
-fn velocity_between(from: &Pose, to: &Pose, center: Vec3, dt: f32) -> Velocity {
+pub(crate) fn velocity_between(from: &Pose, to: &Pose, center: Vec3, dt: f32) -> Velocity {
     let turn = to.rotation * from.rotation.inverse();
     // Two rotations lead to this orientation. Take the shorter one.
     let turn = if turn.w < 0.0 { -turn } else { turn };

@@ -294,6 +294,7 @@ impl Visitor<'_, '_, '_> {
         let woken = body.asleep && !asleep;
         body.asleep = asleep;
         let gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
+        let listened = body.events;
         let solved_as = written.then(|| body.properties.solved_as());
         if written
             && let Ok(description) = described.get_mut(entity)
@@ -314,12 +315,16 @@ impl Visitor<'_, '_, '_> {
         body.set_force(pushed.0);
         body.gravity_scale = gravity_scale;
         // An inactive body stays inactive if the written values are those that it had already.
+        let listens = body.events && !listened;
         let changed = body.disturbed || body.moved || woken || body.target.is_some();
         if changed {
             self.table.mark_dirty(index.0);
         }
         if solved_anew {
             self.table.solve_anew(index.0);
+        }
+        if listens {
+            self.table.listening.push(index.0);
         }
         None
     }

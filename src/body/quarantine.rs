@@ -12,7 +12,7 @@ use super::{
     BodyIndex, BodyState, BodyTable, Damping, ExternalForce, ExternalImpulse, GravityScale,
     Inactive, MassProperties, Pose, RigidBody, Sleeping, Velocity,
 };
-use crate::components::remove_later;
+use crate::components::{remove, remove_later};
 use crate::diagnosis::{BodyError, BodyProblem, Suspects};
 use bevy_ecs::component::Components;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
@@ -143,7 +143,8 @@ pub fn quarantine(world: &mut World) {
                 },
                 BodyIndex::NONE,
             ));
-            body.remove::<Inactive>();
+            // Whoever heard of it may have despawned it.
+            remove(world, entity, &[Components::component_id::<Inactive>]);
             if let Some(index) = index {
                 world.resource_mut::<BodyTable>().remove(entity, index);
             }

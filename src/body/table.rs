@@ -58,19 +58,50 @@ pub(crate) fn lost_description(mut world: DeferredWorld, context: HookContext) {
 
 /// Has *prepare* read a body again, if it is one.
 pub(crate) fn note_loss(world: &mut DeferredWorld, body: Entity) {
-    if world.get::<BodyIndex>(body).is_some()
-        && let Some(mut table) = world.get_resource_mut::<BodyTable>()
-    {
+    if world.get::<BodyIndex>(body).is_none() {
+        return;
+    }
+    if let Some(mut table) = world.get_resource_mut::<BodyTable>() {
         table.reduced.push(body);
+    } else if let Some(mut missed) = world.get_resource_mut::<Missed>() {
+        missed.reduced.push(body);
     }
 }
 
 /// Hook of [`BodyIndex`]: records that a body was despawned or lost its slot.
 fn leave(mut world: DeferredWorld, context: HookContext) {
-    let index = world.get::<BodyIndex>(context.entity).copied();
-    if let (Some(index), Some(mut table)) = (index, world.get_resource_mut::<BodyTable>()) {
-        table.left.push((context.entity, index));
+    let Some(&index) = world.get::<BodyIndex>(context.entity) else {
+        return;
+    };
+    let body = (context.entity, index);
+    if let Some(mut table) = world.get_resource_mut::<BodyTable>() {
+        table.left.push(body);
+    } else if let Some(mut missed) = world.get_resource_mut::<Missed>() {
+        missed.left.push(body);
     }
+}
+
+/// What hooks note while the table is not in the world: as long as pairs of bodies that [arrive](crate::streaming::arrive) are spawned, whose observers
+/// may do anything.
+#[derive(Resource, Default)]
+pub(crate) struct Missed {
+    reduced: Vec<Entity>,
+    left: Vec<(Entity, BodyIndex)>,
+}
+
+/// Calls a function with the table, which is not in the world meanwhile.
+pub(crate) fn with_table<T>(
+    world: &mut World,
+    act: impl FnOnce(&mut World, Mut<BodyTable>) -> T,
+) -> T {
+    world.init_resource::<Missed>();
+    let result = world.resource_scope(act);
+    if let Some(missed) = world.remove_resource::<Missed>() {
+        let mut table = world.resource_mut::<BodyTable>();
+        table.reduced.extend(missed.reduced);
+        table.left.extend(missed.left);
+    }
+    result
 }
 
 /// A quarter of the largest error of a rounded coordinate, as a share of it.
@@ -343,6 +374,9 @@ pub struct BodyTable {
     /// Slots of bodies whose contacts are solved in another way since the last update of the islands: their [locks](super::LockedAxes) or
     /// their [dominance](super::Dominance) have changed.
     pub(crate) solved_anew: Vec<u32>,
+    /// Slots of bodies that got [`ContactEvents`](crate::contact::ContactEvents) in this step while they were in the table: the contacts that they have
+    /// already are told.
+    pub(crate) listening: Vec<u32>,
     /// Slots of two bodies that do not collide because joints connect them, the lower one first; with the number of those joints.
     #[cfg_attr(
         feature = "serde",
@@ -371,6 +405,7 @@ clone_fields!(BodyTable {
     departures,
     removed,
     solved_anew,
+    listening,
     not_colliding,
     last_properties,
     spawn_orders,

@@ -6,7 +6,7 @@ use super::gather::{ColliderOf, Part, body_of, gather, is_real_body, scale_of};
 use super::implicit::{ImplicitBody, make_body, take_body};
 use crate::body::{Density, Mass, RigidBody, WrittenTransforms, weigh_body};
 use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
-use crate::components::holders_in;
+use crate::components::{FindId, holders_in, remove};
 use crate::diagnosis::{BodyProblem, PartProblem, Suspects, Told};
 use bevy_ecs::component::Components;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
@@ -75,6 +75,9 @@ pub struct Searches {
     nodes: QueryState<Entity, MovedNodes>,
 }
 
+/// What marks a part.
+const OWNED: &[FindId] = &[Components::component_id::<ColliderOf>];
+
 /// Finds the bodies whose parts or scale have changed, and makes their [`CompoundCollider`] anew. Makes colliders without a body static.
 pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
     let searches = searches.get_or_insert_with(|| Searches::from_world(world));
@@ -101,14 +104,15 @@ pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
         return;
     }
     let mut lone = Vec::new();
+    let mut seen = EntityHashSet::default();
     for root in roots {
-        visit(world, root, &mut bodies, &mut lone);
+        visit(world, root, &mut seen, (&mut bodies, &mut lone));
     }
     let mut seen = EntityHashSet::default();
     for collider in lone {
         if seen.insert(collider) {
             make_body(world, collider, RigidBody::Static);
-            world.entity_mut(collider).remove::<ColliderOf>();
+            remove(world, collider, OWNED);
             bodies.push(collider);
         }
     }
@@ -127,8 +131,14 @@ fn known_scale(known: Option<&CompoundCollider>) -> Vec3 {
     known.map_or(Vec3::ONE, CompoundCollider::scale)
 }
 
-/// Finds the bodies that the colliders at and below an entity belonged to and belong to, and those that belong to none.
-fn visit(world: &World, root: Entity, bodies: &mut Vec<Entity>, lone: &mut Vec<Entity>) {
+/// Finds the bodies that the colliders at and below an entity belonged to and belong to, and those that belong to none. What was seen already is
+/// left out: a body is marked once for each of its parts.
+fn visit(
+    world: &World,
+    root: Entity,
+    seen: &mut EntityHashSet,
+    (bodies, lone): (&mut Vec<Entity>, &mut Vec<Entity>),
+) {
     if !world.entities().contains(root) {
         return;
     }
@@ -138,6 +148,9 @@ fn visit(world: &World, root: Entity, bodies: &mut Vec<Entity>, lone: &mut Vec<E
         let Ok(entity) = world.get_entity(at) else {
             continue;
         };
+        if !seen.insert(at) {
+            continue;
+        }
         bodies.extend(entity.get::<ColliderOf>().map(|part| part.body));
         if is_real_body(entity) {
             bodies.push(at);
@@ -175,7 +188,7 @@ fn rebuild(world: &mut World, body: Entity) {
     let (Some(kind), Some(parts)) = (kind, parts) else {
         if has_compound {
             disown(world, body, &[]);
-            world.entity_mut(body).remove::<CompoundCollider>();
+            remove(world, body, &[Components::component_id::<CompoundCollider>]);
         }
         // A part that was here only between two steps has been weighed with it.
         weigh_body(&mut DeferredWorld::from(world), body);
@@ -193,7 +206,9 @@ fn rebuild(world: &mut World, body: Entity) {
     let (mut compound, problems) = CompoundCollider::build(body, kind, parts);
     compound.scale = scale_of(world, body);
     report(world, body, &colliders, problems);
-    world.entity_mut(body).insert(compound);
+    if let Ok(mut body) = world.get_entity_mut(body) {
+        body.insert(compound);
+    }
 }
 
 /// Takes the mark of a part from the colliders that are no parts of the body any more.
@@ -201,12 +216,11 @@ fn disown(world: &mut World, body: Entity, parts: &[Part]) {
     let Some(known) = world.get::<CompoundCollider>(body) else {
         return;
     };
-    let gone: Vec<Entity> = known.parts().collect();
+    let kept: EntityHashSet = parts.iter().map(|part| part.entity).collect();
+    let gone: Vec<Entity> = known.parts().filter(|part| !kept.contains(part)).collect();
     for part in gone {
-        if parts.iter().all(|kept| kept.entity != part)
-            && world.get::<ColliderOf>(part) == Some(&ColliderOf { body })
-        {
-            world.entity_mut(part).remove::<ColliderOf>();
+        if world.get::<ColliderOf>(part) == Some(&ColliderOf { body }) {
+            remove(world, part, OWNED);
         }
     }
 }
@@ -217,15 +231,17 @@ fn own(world: &mut World, body: Entity, kind: RigidBody, parts: &[Part]) {
     for part in parts.iter().filter(|part| part.entity != body) {
         if is_separate(part, body, first) && kind != RigidBody::Dynamic {
             make_body(world, part.entity, kind);
-            world.entity_mut(part.entity).remove::<ColliderOf>();
+            remove(world, part.entity, OWNED);
             if world.get::<Transform>(part.entity).is_some() {
                 rebuild(world, part.entity);
             }
             continue;
         }
         take_body(world, part.entity);
-        if world.get::<ColliderOf>(part.entity) != Some(&ColliderOf { body }) {
-            world.entity_mut(part.entity).insert(ColliderOf { body });
+        if world.get::<ColliderOf>(part.entity) != Some(&ColliderOf { body })
+            && let Ok(mut part) = world.get_entity_mut(part.entity)
+        {
+            part.insert(ColliderOf { body });
         }
     }
 }
@@ -239,9 +255,9 @@ fn report(
 ) {
     let mut told = std::mem::take(&mut world.resource_mut::<Told>().strays);
     told.retain(|part| world.entities().contains(*part));
-    let is_bad = |part: Entity| problems.iter().any(|(bad, _)| *bad == part);
+    let bad: EntityHashSet = problems.iter().map(|&(part, _)| part).collect();
     for part in colliders {
-        if !is_bad(*part) {
+        if !bad.contains(part) {
             told.remove(part);
         }
     }

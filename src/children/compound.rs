@@ -245,7 +245,8 @@ impl CompoundCollider {
             let valid = match found {
                 Ok(valid) => valid,
                 Err(_) if is_own => {
-                    made.problem = Some(BodyProblem::DegenerateShape);
+                    // A shape that is degenerate without a scale is reported as such.
+                    made.problem = Some(BodyProblem::InvalidScale);
                     continue;
                 }
                 Err(problem) => {

@@ -164,3 +164,22 @@ fn gather_below(world: &World, root: EntityRef, map: Affine3A, parts: &mut Vec<P
         below(entity, map, &mut stack);
     }
 }
+
+/// A body with so many entities below it is weighed only in a step.
+const MANY: usize = 32;
+
+/// Returns true if there are not many entities below a body, whose parts can be weighed at once.
+pub(crate) fn has_few(world: &World, body: Entity) -> bool {
+    let mut count = 0;
+    let mut stack = vec![body];
+    while let Some(at) = stack.pop() {
+        if let Some(children) = world.get::<Children>(at) {
+            count += children.len();
+            if count > MANY {
+                return false;
+            }
+            stack.extend(children.iter());
+        }
+    }
+    true
+}

@@ -4,7 +4,7 @@ use super::assemble::Unassembled;
 use super::compound::CompoundCollider;
 use super::gather::{ColliderOf, scale_of};
 use super::implicit::ImplicitBody;
-use crate::body::{RigidBody, note_loss, weigh, weigh_above, weigh_body};
+use crate::body::{RigidBody, note_loss, weigh, weigh_above, weigh_with_parts};
 use crate::collider::Collider;
 use crate::components::remove_later;
 use crate::sensor::Sensor;
@@ -44,8 +44,10 @@ pub(crate) fn collider_inserted(mut world: DeferredWorld, context: HookContext) 
 
 /// Part of the hook of components whose removal counts as a change.
 pub(crate) fn mark_if_part(world: &mut DeferredWorld, entity: Entity) {
-    let known = world.entity(entity);
-    if known.contains::<ColliderOf>() || known.contains::<CompoundCollider>() {
+    let is_part = world
+        .get_entity(entity)
+        .is_ok_and(|known| known.contains::<ColliderOf>() || known.contains::<CompoundCollider>());
+    if is_part {
         mark(world, entity);
     }
 }
@@ -90,9 +92,7 @@ pub(crate) fn child_joined(joined: On<Insert<ChildOf>>, mut world: DeferredWorld
             // A first child is added to its parent's list only by a command.
             world.commands().queue(move |world: &mut World| {
                 if world.get::<RigidBody>(body).is_some() {
-                    let mut world = DeferredWorld::from(world);
-                    weigh_body(&mut world, body);
-                    mark(&mut world, body);
+                    weigh_with_parts(&mut DeferredWorld::from(world), body);
                 }
             });
         }

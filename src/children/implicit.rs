@@ -3,6 +3,8 @@
 use crate::body::{
     BodyIndex, MassProperties, Motion, Pose, Quarantined, RigidBody, Sleeping, Teleport, Velocity,
 };
+use crate::components::{FindId, remove};
+use bevy_ecs::component::Components;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -40,18 +42,27 @@ pub(super) fn make_body(world: &mut World, entity: Entity, kind: RigidBody) {
         return;
     }
     // The marker comes second: a `RigidBody` that is inserted where it is counts as a user's.
-    entity.insert(kind);
-    entity.insert(ImplicitBody);
+    let id = entity.insert(kind).id();
+    if let Ok(mut entity) = world.get_entity_mut(id) {
+        entity.insert(ImplicitBody);
+    }
 }
 
 /// Takes the body from a collider that has become a part of another body.
 pub(super) fn take_body(world: &mut World, entity: Entity) {
-    let Ok(mut entity) = world.get_entity_mut(entity) else {
-        return;
-    };
-    if !entity.contains::<ImplicitBody>() {
+    if world.get::<ImplicitBody>(entity).is_none() {
         return;
     }
-    entity.remove::<(RigidBody, ImplicitBody, BodyIndex, Quarantined)>();
-    entity.remove::<(Pose, Velocity, Motion, Sleeping, MassProperties)>();
+    let all: &[FindId] = &[
+        Components::component_id::<RigidBody>,
+        Components::component_id::<ImplicitBody>,
+        Components::component_id::<BodyIndex>,
+        Components::component_id::<Quarantined>,
+        Components::component_id::<Pose>,
+        Components::component_id::<Velocity>,
+        Components::component_id::<Motion>,
+        Components::component_id::<Sleeping>,
+        Components::component_id::<MassProperties>,
+    ];
+    remove(world, entity, all);
 }

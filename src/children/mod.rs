@@ -58,8 +58,24 @@
 //! | [`CollisionLayers`](crate::collider::CollisionLayers) | layers of the part | those of the body |
 //! | [`Sensor`](crate::sensor::Sensor) | it detects bodies and touches nothing; it has no mass | |
 //!
-//! `Mass`, `AngularInertia` and `CenterOfMass` on the body set its total. The sum is known as soon as a part is inserted; after a part was removed,
-//! from the next step on. `CollisionExceptions` and `ContactEvents` belong to bodies.
+//! `Mass`, `AngularInertia` and `CenterOfMass` on the body set its total. The sum is known as soon as a part is inserted if there are at most 32
+//! entities below the body; with more of them, and after a part was removed, from the next step or refresh on. `CollisionExceptions` and `ContactEvents` belong to bodies.
+//!
+//! # Bodies below bodies
+//!
+//! A body below another one is a body of its own, and lives in the world. Its `Transform` is in the frame of its parent, and each step writes it anew, so
+//! that the parent's motion does not take the body along: contacts and joints do. What becomes of a body when an entity above it is moved by its
+//! `Transform` depends on both:
+//!
+//! | moved | dynamic bodies below | others below |
+//! |---|---|---|
+//! | a kinematic body | stay where they are; the body moves by its velocity, and friction takes along what lies on it | kinematic ones move by a velocity as well, static ones at once |
+//! | a kinematic body with [`Teleport`](crate::body::Teleport), or faster than [`SpeedLimits`](crate::settings::SpeedLimits) allow | are moved at once with it | so are all |
+//! | a static or dynamic body, or an entity that is no body | are moved at once with it | static ones too; kinematic ones move by a velocity |
+//!
+//! So a ship on whose deck things slide, stand and fall is a kinematic body at the top of its hierarchy. A node above both a kinematic deck and dynamic
+//! bodies would move these at once, and the deck would push them on by friction: move the deck instead, or take the bodies out of the hierarchy. What
+//! shall be fixed to its parent is a collider without a `RigidBody`, or has a [`FixedJoint`](crate::joint::FixedJoint).
 //!
 //! # Other colliders
 //!
@@ -76,13 +92,15 @@ mod gather;
 mod hooks;
 mod implicit;
 mod parts;
+mod stay;
 mod surface;
 
 pub use assemble::{Unassembled, assemble};
 pub use compound::CompoundCollider;
 pub(crate) use compound::{compound_mass, shape_of};
 pub use gather::ColliderOf;
-pub(crate) use gather::body_of;
+use gather::scale_of;
+pub(crate) use gather::{body_of, has_few};
 pub(crate) use hooks::{
     changed_kind, child_enabled, child_joined, child_left, collider_inserted, lost_kind, mark,
     mark_if_part, sensor_changed,
@@ -90,4 +108,5 @@ pub(crate) use hooks::{
 pub use implicit::ImplicitBody;
 pub use parts::PatchParts;
 pub(crate) use parts::{BodyParts, Zone};
+pub use stay::stay;
 pub(crate) use surface::PatchSurface;

@@ -158,7 +158,8 @@ pub struct CompoundPart {
     pub position: Vec3,
     /// Rotation in the body's frame.
     pub rotation: Quat,
-    /// The shape.
+    /// The shape. A compound cannot be a part of another one.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "super::saved::read_part"))]
     pub shape: ColliderShape,
 }
 

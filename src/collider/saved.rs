@@ -4,7 +4,7 @@ use super::{Collider, ColliderShape};
 use bevy_platform::collections::HashMap;
 use serde::de::{Deserialize, Deserializer, Error as _};
 use serde::ser::{Error as _, Serialize, Serializer};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 thread_local! {
     /// The shapes that were read, by their description.
@@ -53,6 +53,30 @@ impl Drop for SharedShapes {
             KNOWN.set(None);
         }
     }
+}
+
+thread_local! {
+    /// A part of a compound is being read.
+    static IN_PART: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Reads the shape of a part of a compound, which is no compound. Otherwise bytes could hold compounds in each other so deep that reading them
+/// overflows the stack.
+pub(super) fn read_part<'de, D: Deserializer<'de>>(from: D) -> Result<ColliderShape, D::Error> {
+    /// Ends the part, also if reading panics.
+    struct End;
+
+    impl Drop for End {
+        fn drop(&mut self) {
+            IN_PART.set(false);
+        }
+    }
+
+    if IN_PART.replace(true) {
+        return Err(D::Error::custom("a part of a compound is a compound"));
+    }
+    let _end = End;
+    ColliderShape::deserialize(from)
 }
 
 impl Serialize for Collider {

@@ -5,7 +5,7 @@ use super::{
     ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Manifold, PairsMut, Part,
 };
 use crate::body::{BodyTable, SpawnOrder};
-use crate::graph::ConstraintGraph;
+use crate::graph::{ConstraintGraph, EdgeKind};
 use crate::settings::StepTime;
 use crate::solver::sort;
 use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
@@ -15,6 +15,8 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
 /// Marks a body on which [`ContactStarted`] and [`ContactEnded`] are triggered for observers. The messages are sent for all bodies.
+///
+/// A body that gets it while it touches others is told of these in the next step, so that every [`ContactEnded`] has a [`ContactStarted`] before it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy_reflect",
@@ -51,6 +53,20 @@ pub struct ContactStarted {
     pub point: Vec3,
     /// Unit vector from `other` to `body`, world axes: the mean over the points. Zero if the contact was over before the end of the step.
     pub normal: Vec3,
+}
+
+impl ContactStarted {
+    /// The same for the other body.
+    fn swapped(self) -> Self {
+        let [own, others] = self.colliders;
+        Self {
+            body: self.other,
+            other: self.body,
+            colliders: [others, own],
+            normal: -self.normal,
+            ..self
+        }
+    }
 }
 
 /// Where two bodies began to touch.
@@ -146,7 +162,7 @@ impl MapEntities for Untriggered {
 /// Sends [`ContactStarted`] and [`ContactEnded`]. With several substeps it does so once, for the whole step.
 pub fn contact_events(
     mut pairs: PairsMut,
-    (table, time): (Res<BodyTable>, Res<StepTime>),
+    (mut table, time): (ResMut<BodyTable>, Res<StepTime>),
     (graph, places): (Res<ConstraintGraph>, &Entities),
     mut removed: ResMut<EndedPairs>,
     mut started: MessageWriter<ContactStarted>,
@@ -156,6 +172,46 @@ pub fn contact_events(
     if !time.is_last() {
         return;
     }
+    let listening = match table.listening.is_empty() {
+        true => Vec::new(),
+        false => std::mem::take(&mut table.listening),
+    };
+    let table = &*table;
+    let event = |entity, pair: &ContactPair, manifold: &Manifold, impulses: &ContactImpulses| {
+        let center = table.get(pair.slots[0]).map_or(Vec3::ZERO, |a| a.center);
+        let Hit { point, normal } = Hit::of(center, manifold, impulses);
+        ContactStarted {
+            body: pair.bodies[0],
+            other: pair.bodies[1],
+            colliders: pair.colliders(manifold.main_parts(impulses), table),
+            pair: entity,
+            impulse: impulses.normal(),
+            point,
+            normal,
+        }
+    };
+    let mut known = Vec::new();
+    for &slot in &listening {
+        for pair in graph.edges_of_kind(slot, EdgeKind::Contact) {
+            if let Ok((entity, (pair, _, manifold, impulses, ..))) = pairs.get(pair)
+                && pair.announced()
+            {
+                let found = event(entity, pair, manifold, impulses);
+                let is_first = pair.slots[0] == slot;
+                known.push((
+                    pair.spawn_orders,
+                    if is_first { found } else { found.swapped() },
+                ));
+            }
+        }
+    }
+    sort::by_key(&mut known, |&(spawn_orders, _)| spawn_orders);
+    let begins_to_listen = |body: Entity| {
+        let mut slots = listening.iter();
+        slots.any(|&slot| table.get(slot).is_some_and(|state| state.entity == body))
+    };
+    let known = known.into_iter().map(|(_, event)| event);
+    untriggered.started.extend(known);
     let mut begins = Vec::new();
     let mut ends = std::mem::take(&mut removed.0);
     let mut look =
@@ -164,12 +220,8 @@ pub fn contact_events(
             if touches != pair.announced() {
                 pair.set_announced(touches);
                 if touches {
-                    let impulse = impulses.normal();
-                    let center = table.get(pair.slots[0]).map_or(Vec3::ZERO, |a| a.center);
-                    let hit = Hit::of(center, manifold, impulses);
-                    let colliders = pair.colliders(manifold.main_parts(impulses), &table);
-                    let of = (pair.bodies, pair.slots, colliders, entity);
-                    begins.push((pair.spawn_orders, of, impulse, hit));
+                    let event = event(entity, pair, manifold, impulses);
+                    begins.push((pair.spawn_orders, pair.slots, event));
                 } else {
                     ends.push((pair.spawn_orders, pair.bodies));
                 }
@@ -188,33 +240,22 @@ pub fn contact_events(
     }
     sort::by_key(&mut begins, |&(spawn_orders, ..)| spawn_orders);
     sort::by_key(&mut ends, |&(spawn_orders, ..)| spawn_orders);
-    for (_, ([a, b], slots, [on_a, on_b], pair), impulse, Hit { point, normal }) in begins {
-        let event = |body, other, colliders, normal| ContactStarted {
-            body,
-            other,
-            colliders,
-            pair,
-            impulse,
-            point,
-            normal,
-        };
-        started.write(event(a, b, [on_a, on_b], normal));
-        let ends = [
-            (slots[0], a, b, [on_a, on_b], normal),
-            (slots[1], b, a, [on_b, on_a], -normal),
-        ];
-        for (slot, body, other, colliders, normal) in ends {
+    for (_, slots, event) in begins {
+        started.write(event);
+        for (slot, event) in slots.into_iter().zip([event, event.swapped()]) {
             if table.get(slot).is_some_and(|body| body.events) {
-                untriggered
-                    .started
-                    .push(event(body, other, colliders, normal));
+                untriggered.started.push(event);
             }
         }
     }
     for (_, [a, b]) in ends {
         ended.write(ContactEnded { body: a, other: b });
         for (body, other) in [(a, b), (b, a)] {
-            untriggered.ended.push(ContactEnded { body, other });
+            // Of a pair that is gone already, a body that has just begun to listen was told nothing.
+            let mut started = untriggered.started.iter();
+            if !begins_to_listen(body) || started.any(|of| (of.body, of.other) == (body, other)) {
+                untriggered.ended.push(ContactEnded { body, other });
+            }
         }
     }
 }

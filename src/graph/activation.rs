@@ -7,6 +7,8 @@
 use super::ConstraintGraph;
 use super::active::find_active_rows;
 use crate::body::{BodyTable, Inactive, Sleeping};
+use crate::components::remove;
+use bevy_ecs::component::Components;
 use bevy_ecs::prelude::*;
 
 /// Bodies and pairs that are about to become inactive.
@@ -82,12 +84,12 @@ pub fn activate(world: &mut World) {
         graph.report_all_of(slot);
     }
     for (_, body, is_dynamic) in risen {
-        if let Ok(mut body) = world.get_entity_mut(body) {
-            body.remove::<Inactive>();
-            if let Some(mut sleeping) = body.get_mut::<Sleeping>().filter(|_| is_dynamic) {
-                // It was woken while it was inactive, without a mark.
-                sleeping.set_changed();
-            }
+        remove(world, body, &[Components::component_id::<Inactive>]);
+        // Whoever heard of it may have despawned it.
+        let mut sleeping = world.get_mut::<Sleeping>(body);
+        if let Some(sleeping) = sleeping.as_mut().filter(|_| is_dynamic) {
+            // It was woken while it was inactive, without a mark.
+            sleeping.set_changed();
         }
     }
     find_active_rows(world);

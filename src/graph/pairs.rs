@@ -88,7 +88,7 @@ pub fn pair_changes(
     }
 
     let lost = std::mem::take(&mut *world.resource_mut::<LostPairs>());
-    world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
+    let new = world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
         graph.forget(&lost);
         let again = world.resource_scope(|world, broadphase: Mut<Broadphase>| {
             let mut table = world.resource_mut::<BodyTable>();
@@ -101,8 +101,9 @@ pub fn pair_changes(
         }
         let waiting = std::mem::take(&mut world.resource_mut::<Broadphase>().waiting);
         let overlaps = found.overlaps.into_iter().chain(waiting).chain(again);
-        begin(world, &mut graph, overlaps, restored);
+        begin(world, &mut graph, overlaps, &restored)
     });
+    spawn(world, new, restored);
     tell(world, &lost);
     activate(world);
     find_active_rows(world);
@@ -160,13 +161,13 @@ fn give_up(
     again
 }
 
-/// Spawns pairs and their edges for overlaps that have none. Those of fast bodies that are far apart wait.
+/// Makes pairs and their edges for overlaps that have none, in order. Those of fast bodies that are far apart wait.
 fn begin(
     world: &mut World,
     graph: &mut ConstraintGraph,
     overlaps: impl Iterator<Item = [u32; 2]>,
-    restored: RestoredContacts,
-) {
+    restored: &RestoredContacts,
+) -> Vec<ContactPair> {
     let reach = Reach::of(world);
     let table = world.resource::<BodyTable>();
     let broadphase = world.resource::<Broadphase>();
@@ -182,8 +183,9 @@ fn begin(
         .filter_map(|slots| Some((table.both(slots)?.both(|body| body.spawn_order), slots)))
         .collect();
     world.resource_mut::<Broadphase>().waiting = waiting;
+    let mut new: Vec<ContactPair> = Vec::new();
     if overlaps.is_empty() {
-        return;
+        return new;
     }
     let table = world.resource::<BodyTable>();
     // The tree's shape depends on its history; the order of pairs must not. A pair that a user has despawned may be there twice.
@@ -193,7 +195,6 @@ fn begin(
     overlaps.dedup();
     graph.reserve(overlaps.len(), table.slots());
     let mut warnings = Vec::new();
-    let mut new: Vec<ContactPair> = Vec::new();
     let revision = Revision::next();
     for (_, slots) in overlaps {
         if let Some(bodies) = table.both(slots) {
@@ -203,6 +204,15 @@ fn begin(
             restored.mark(&mut pair);
             new.push(pair);
         }
+    }
+    report(world, warnings);
+    new
+}
+
+/// Spawns new pairs, and names their edges. Observers of pairs may use the graph.
+fn spawn(world: &mut World, new: Vec<ContactPair>, restored: RestoredContacts) {
+    if new.is_empty() {
+        return;
     }
     let edges: Vec<_> = new.iter().map(|pair| (pair.edge, pair.slots)).collect();
     // The required components are in the bundle, so that none is made one by one.
@@ -214,14 +224,15 @@ fn begin(
     let count = new.len();
     let spawned: Vec<Entity> = world.spawn_batch(with_room(new, count)).collect();
     restored.fill(world, &spawned);
-    let table = world.resource::<BodyTable>();
-    for ((edge, slots), pair) in edges.into_iter().zip(spawned) {
-        graph.name(edge, pair);
-        if slots.into_iter().all(|slot| table.is_inactive(slot)) {
-            graph.settling.push((edge, pair));
+    world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
+        let table = world.resource::<BodyTable>();
+        for ((edge, slots), pair) in edges.into_iter().zip(spawned) {
+            graph.name(edge, pair);
+            if slots.into_iter().all(|slot| table.is_inactive(slot)) {
+                graph.settling.push((edge, pair));
+            }
         }
-    }
-    report(world, warnings);
+    });
 }
 
 /// Reports warnings about new pairs, in the order of the pairs. Each of many bodies in one place is named only once.
@@ -248,7 +259,9 @@ pub(crate) fn warn([a, b]: [&BodyState; 2], warnings: &mut Vec<(Entity, BodyProb
         return;
     }
     let ratio = a.mass.inverse_mass / b.mass.inverse_mass;
-    if !(EXTREME_MASS_RATIO.recip()..=EXTREME_MASS_RATIO).contains(&ratio) {
+    // A body that dominates counts as infinitely heavy.
+    let counts = !a.dominates(b) && !b.dominates(a);
+    if counts && !(EXTREME_MASS_RATIO.recip()..=EXTREME_MASS_RATIO).contains(&ratio) {
         let (heavy, light) = if ratio < 1.0 { (a, b) } else { (b, a) };
         warnings.push((
             heavy.entity,

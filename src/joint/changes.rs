@@ -3,6 +3,9 @@
 //! A joint has an edge while it takes part in the simulation. It has none while it is disabled, while its input is invalid
 //! ([`QuarantinedJoint`]), and while one of its bodies does not take part: it waits for that body. Joints without an edge are looked at in every
 //! step, those with one only if they were written, or if something happened to their bodies.
+//!
+//! Every component that is inserted or removed here runs hooks and observers of the user, which may despawn the joint or its bodies. So nothing that was
+//! found before is taken for granted afterwards, and the edge is inserted into the graph only when no more of them can run before the joint has it.
 
 use super::definition::JointDefinition;
 use super::edge::{JointChanges, JointEdge};
@@ -11,7 +14,8 @@ use super::list::{self, DetachedJoints, WrittenJoints, definition};
 use super::{
     BreakForce, JointDisabled, JointError, JointForces, JointFrame, JointProblem, QuarantinedJoint,
 };
-use crate::body::{BodyIndex, BodyState, BodyTable, Pose, SpawnOrder, is_body};
+use crate::body::{BodyState, BodyTable, Pose, RigidBody, SpawnOrder};
+use crate::diagnosis::{BodyProblem, EXTREME_JOINT_RATIO, Suspects};
 use crate::graph::{ConstraintGraph, EdgeKind, WORLD, activate};
 use crate::mortar::MortarJoint;
 use crate::solver::Both;
@@ -83,8 +87,9 @@ pub(crate) fn update(world: &mut World, joint: Entity) {
     match examine(world, joint) {
         Finding::Ready(definition, slots) => {
             attach(world, joint, *definition, slots);
-            let mut joint = world.entity_mut(joint);
-            if joint.contains::<QuarantinedJoint>() {
+            if let Ok(mut joint) = world.get_entity_mut(joint)
+                && joint.contains::<QuarantinedJoint>()
+            {
                 joint.remove::<QuarantinedJoint>();
                 tracing::info!(
                     "joint {} works again: its input has been mended",
@@ -94,12 +99,14 @@ pub(crate) fn update(world: &mut World, joint: Entity) {
         }
         Finding::Idle => {
             detach(world, joint);
-            world.entity_mut(joint).remove::<QuarantinedJoint>();
+            if let Ok(mut joint) = world.get_entity_mut(joint) {
+                joint.remove::<QuarantinedJoint>();
+            }
         }
         Finding::Invalid(JointProblem::NotABody { entity })
             if is_bond_of_despawned(world, joint, entity) =>
         {
-            world.despawn(joint);
+            world.try_despawn(joint).ok();
         }
         Finding::Invalid(problem) => {
             detach(world, joint);
@@ -110,12 +117,15 @@ pub(crate) fn update(world: &mut World, joint: Entity) {
 
 /// Returns true if the joint is a bond of mortar and the body was despawned. Drystone made the bond, so nobody else would despawn it.
 fn is_bond_of_despawned(world: &World, joint: Entity, body: Entity) -> bool {
-    world.get_entity(body).is_err() && world.entity(joint).contains::<MortarJoint>()
+    let bond = world.get_entity(joint);
+    world.get_entity(body).is_err() && bond.is_ok_and(|bond| bond.contains::<MortarJoint>())
 }
 
 /// Finds out whether a joint can take part in the simulation.
 fn examine(world: &mut World, joint: Entity) -> Finding {
-    let of = world.entity(joint);
+    let Ok(of) = world.get_entity(joint) else {
+        return Finding::Idle;
+    };
     let (count, Some(definition)) = definition(of) else {
         return Finding::Idle;
     };
@@ -148,7 +158,7 @@ fn examine(world: &mut World, joint: Entity) -> Finding {
         };
         match table.slot_of(world, body) {
             Some(known) => *slot = known,
-            None if is_body(world, body) || is_disabled(world, body) => return Finding::Idle,
+            None if may_return(world, body) => return Finding::Idle,
             None => return Finding::Invalid(JointProblem::NotABody { entity: body }),
         }
     }
@@ -159,26 +169,26 @@ fn examine(world: &mut World, joint: Entity) -> Finding {
     }
 }
 
-fn is_disabled(world: &World, body: Entity) -> bool {
+/// Whether an entity is a body, also one that does not take part for the moment: new, disabled in any way, taken out, or quarantined.
+fn may_return(world: &World, body: Entity) -> bool {
     let body = world.get_entity(body);
-    body.is_ok_and(|body| body.contains::<Disabled>() && body.contains::<BodyIndex>())
+    body.is_ok_and(|body| body.contains::<RigidBody>())
 }
 
 /// Gives a joint its edge, or takes over what has changed about it.
 fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32; 2]) {
     let definition = settle(world, joint, found, slots);
-    let table = world.resource::<BodyTable>();
-    let spawn_orders =
-        slots.both(|slot| table.get(slot).map_or(SpawnOrder::NONE, |b| b.spawn_order));
     if let Err(problem) = definition.check() {
         detach(world, joint);
         report(world, joint, problem);
         return;
     }
+    let known_orders = spawn_orders(world, slots);
     if let Some(mut known) = world.get_mut::<JointEdge>(joint) {
-        let is_same = known.slots == slots
-            && known.spawn_orders == spawn_orders
-            && known.definition.bodies == definition.bodies
+        let has_bodies = known.definition.bodies == definition.bodies;
+        let is_same = has_bodies
+            && known.slots == slots
+            && known.spawn_orders == known_orders
             && known.definition.collision == definition.collision;
         if is_same {
             if known.definition != definition {
@@ -189,12 +199,34 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
         }
         detach(world, joint);
         forget_lost(world);
+        if !has_bodies && let Ok(mut joint) = world.get_entity_mut(joint) {
+            // Its angles are those of other bodies.
+            joint.insert(JointForces::default());
+        }
     }
-    let mut order = order_of(world.entity(joint));
+    let Ok(of) = world.get_entity(joint) else {
+        return;
+    };
+    let mut order = order_of(of);
+    let has_forces = of.contains::<JointForces>();
     if order == SpawnOrder::NONE {
         order = world.resource_mut::<BodyTable>().next_spawn_order();
         world.entity_mut(joint).insert(order);
     }
+    if !has_forces && let Ok(mut joint) = world.get_entity_mut(joint) {
+        joint.insert(JointForces::default());
+    }
+    // Whoever heard of these may have despawned something, or have written the joint anew; the next step looks at it then.
+    let table = world.resource::<BodyTable>();
+    let is_gone = |(body, slot): (Option<Entity>, u32)| {
+        body.is_some_and(|body| table.slot_of(world, body) != Some(slot))
+    };
+    if world.get_entity(joint).is_err() || { definition.bodies.into_iter().zip(slots) }.any(is_gone)
+    {
+        return;
+    }
+    let spawn_orders = spawn_orders(world, slots);
+    warn(world, slots);
     let mut graph = world.resource_mut::<ConstraintGraph>();
     let edge = graph.insert(EdgeKind::Joint, slots);
     graph.name(edge, joint);
@@ -208,17 +240,36 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
     if !slots.iter().all(arrives) {
         wake(&mut table, slots);
     }
-    let mut joint = world.entity_mut(joint);
-    joint.insert(JointEdge {
+    world.entity_mut(joint).insert(JointEdge {
         slots,
         edge,
         spawn_orders,
         order,
         definition,
     });
-    if !joint.contains::<JointForces>() {
-        joint.insert(JointForces::default());
+}
+
+/// Warns of a new joint between dynamic bodies of which one is much heavier.
+fn warn(world: &mut World, slots: [u32; 2]) {
+    let table = world.resource::<BodyTable>();
+    let dynamic = |slot: u32| table.get(slot).filter(|body| body.is_dynamic());
+    let [Some(a), Some(b)] = slots.both(dynamic) else {
+        return;
+    };
+    let (heavy, light) = match a.mass.inverse_mass < b.mass.inverse_mass {
+        true => (a, b),
+        false => (b, a),
+    };
+    if light.mass.inverse_mass > EXTREME_JOINT_RATIO * heavy.mass.inverse_mass {
+        let other = light.entity;
+        let warning = (heavy.entity, BodyProblem::ExtremeJointRatio { other });
+        world.resource_mut::<Suspects>().0.push(warning);
     }
+}
+
+fn spawn_orders(world: &World, slots: [u32; 2]) -> [SpawnOrder; 2] {
+    let table = world.resource::<BodyTable>();
+    slots.both(|slot| table.get(slot).map_or(SpawnOrder::NONE, |b| b.spawn_order))
 }
 
 /// Replaces frames that are not local by local ones, in the component too.
@@ -240,8 +291,10 @@ fn settle(
     let local = JointDefinition { frames, ..found };
     let anchors = local.anchors();
     let [a, b]: [_; 2] = std::array::from_fn(|i| poses[i].transform_point(anchors[i]));
-    list::settle(&mut world.entity_mut(joint), frames, a.distance(b));
-    let (_, settled) = definition(world.entity(joint));
+    // Writing to components runs no hooks.
+    let mut joint = world.entity_mut(joint);
+    list::settle(&mut joint, frames, a.distance(b));
+    let (_, settled) = definition(joint.as_readonly());
     normalized(settled.unwrap_or(local))
 }
 
@@ -259,10 +312,18 @@ fn normalized(mut definition: JointDefinition) -> JointDefinition {
 
 /// Takes a joint out of the simulation.
 fn detach(world: &mut World, joint: Entity) {
-    let mut joint = world.entity_mut(joint);
-    if joint.contains::<JointEdge>() {
-        joint.remove::<JointEdge>();
-        joint.insert(JointForces::default());
+    let remove = |world: &mut World| {
+        let mut joint = world.get_entity_mut(joint).ok()?;
+        let forces = joint.get::<JointForces>().copied().unwrap_or_default();
+        joint
+            .contains::<JointEdge>()
+            .then(|| joint.remove::<JointEdge>())?;
+        Some(forces.without_forces())
+    };
+    if let Some(forces) = remove(world)
+        && let Ok(mut joint) = world.get_entity_mut(joint)
+    {
+        joint.insert(forces);
     }
 }
 
@@ -311,7 +372,9 @@ fn wake(table: &mut BodyTable, slots: [u32; 2]) {
 
 /// Reports a joint once for each problem.
 fn report(world: &mut World, joint: Entity, problem: JointProblem) {
-    let mut of = world.entity_mut(joint);
+    let Ok(mut of) = world.get_entity_mut(joint) else {
+        return;
+    };
     if of.get() == Some(&QuarantinedJoint { problem }) {
         return;
     }

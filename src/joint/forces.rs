@@ -11,7 +11,8 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
-/// Force and torque of a joint on body 2 in the last step; body 1 gets the opposite. Drystone writes it. Zero while the joint is disabled.
+/// Force and torque of a joint on body 2 in the last step; body 1 gets the opposite. Drystone writes it. Zero while the joint is disabled. It
+/// also has the [`angle`](Self::angle) of the joint.
 ///
 /// For bodies that sleep they are those with which they came to rest.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
@@ -42,9 +43,35 @@ pub struct JointForces {
     pub(crate) filtered: [Vec3; 2],
     /// See [`JointConstraint::late`].
     pub(crate) late: [Vec3; 2],
+    /// See [`JointConstraint::angles`].
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) angles: Option<Vec3>,
 }
 
 impl JointForces {
+    /// The angle of a [`RevoluteJoint`](super::RevoluteJoint) or the twist of a [`SphericalJoint`](super::SphericalJoint) at the end of the last
+    /// step, rad, with all its turns. See [`angles`](Self::angles).
+    pub fn angle(&self) -> Option<f32> {
+        self.angles.map(|angles| angles.x)
+    }
+
+    /// The rotation of a [`GenericJoint`](super::GenericJoint) about its three axes at the end of the last step, rad. The angle that counts turns
+    /// comes with all of them, the others are zero then.
+    ///
+    /// `None` before the first step, and of joints whose rotations are all locked, or free about several axes without a limit, motor or spring. A
+    /// disabled joint keeps its angles; so it knows its turns when it acts again.
+    pub fn angles(&self) -> Option<Vec3> {
+        self.angles
+    }
+
+    /// No forces, at the same angles.
+    pub(super) fn without_forces(&self) -> Self {
+        Self {
+            angles: self.angles,
+            ..Self::default()
+        }
+    }
+
     /// The result of a solve.
     pub(crate) fn of(solved: &JointConstraint) -> Self {
         let [force, torque] = solved.mean;
@@ -56,6 +83,8 @@ impl JointForces {
             start: solved.forces,
             filtered: solved.filtered,
             late: solved.late,
+            // Those of a solve that failed are no numbers.
+            angles: solved.angles.filter(|angles| angles.is_finite()),
         }
     }
 }

@@ -16,6 +16,7 @@
 //! | let it break | [`BreakForce`]; [`JointBroke`] reports it |
 //! | switch it off and on | [`JointDisabled`] |
 //! | read its force | [`JointForces`], [`Joints`] |
+//! | read its angle, with all turns | [`JointForces::angle`] |
 //! | find out why it does nothing | [`QuarantinedJoint`], [`JointError`] |
 //!
 //! # Bodies
@@ -23,7 +24,8 @@
 //! is tied to a point in the world. A static or kinematic body does as well; at least one of the two must be dynamic. Angles, positions and
 //! forces are those of body 2 relative to body 1.
 //!
-//! The bodies may be spawned later than the joint. If one is disabled or quarantined, the joint waits for it. If one is despawned, the joint is
+//! The bodies may be spawned later than the joint. If one is disabled in any way, taken out or quarantined, the joint
+//! waits for it. If one is despawned, the joint is
 //! reported and does nothing until it gets another body. The joint is not despawned: with Bevy's `ChildOf` you decide whose end is its own.
 //!
 //! # Frames

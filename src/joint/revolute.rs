@@ -14,7 +14,8 @@ use glam::{Quat, Vec3};
 /// A hinge: body 2 turns about one axis of body 1. For doors, wheels, drawbridges, elbows.
 ///
 /// The angle is that of body 2 relative to body 1 about the hinge axis, right-handed, rad. It is zero where the two frames agree: with
-/// frames that are not given, as the bodies are when the joint is added. It is known from −π to π.
+/// frames that are not given, as the bodies are when the joint is added. It counts turns: limits and targets may lie many turns away.
+/// [`JointForces::angle`] tells it. A joint begins with the angle from −π to π, or with the one in its limits if that is not.
 ///
 /// ```
 /// use bevy_transform::components::Transform;
@@ -95,7 +96,7 @@ impl RevoluteJoint {
         self
     }
 
-    /// With limits, rad, from −π to π.
+    /// With limits, rad, of any number of turns: 0 to 20π is a winch.
     pub fn with_angle_limits(mut self, min: f32, max: f32) -> Self {
         self.limits = Some(JointLimits { min, max });
         self

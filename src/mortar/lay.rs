@@ -6,7 +6,7 @@
 use super::patch::Patch;
 use super::{Mortar, MortarJoint};
 use crate::body::{BodyIndex, BodyTable, Quarantined, RigidBodyDisabled, SpawnOrder};
-use crate::components::holders_in;
+use crate::components::{holders_in, remove};
 use crate::contact::{ContactPair, Manifold};
 use crate::graph::{ConstraintGraph, EdgeKind, activate, end_pairs};
 use crate::joint;
@@ -58,7 +58,7 @@ pub fn lay_mortar(world: &mut World) {
             tracing::error!(
                 "the mortar of {body} is removed: its strengths must be zero or more: {mortar:?}"
             );
-            world.entity_mut(*body).remove::<Mortar>();
+            remove(world, *body, &[Components::component_id::<Mortar>]);
             false
         }
     });
@@ -72,8 +72,9 @@ pub fn lay_mortar(world: &mut World) {
         let joint = world.spawn(joint).id();
         joint::update(world, joint);
         pairs.insert(bond.pair);
+        // Whoever heard of the bond may have despawned its bodies.
         for body in bond.bodies {
-            world.entity_mut(body).remove::<Mortar>();
+            remove(world, body, &[Components::component_id::<Mortar>]);
         }
     }
     end_pairs(world, &pairs);

@@ -117,7 +117,7 @@ impl RestoredContacts {
             Some((pair, saved.into_components()))
         });
         let found: Vec<_> = found.collect();
-        world.insert_batch(found);
+        _ = world.try_insert_batch(found);
     }
 }
 
@@ -136,7 +136,9 @@ pub fn restore(world: &mut World, saved: &mut QueryState<(Entity, &Saved), Allow
     restore_order(world, &loaded);
     let mut restored = world.remove_resource::<Restored>().unwrap_or_default();
     for (_, entity) in loaded {
-        let Some(saved) = world.entity_mut(entity).take::<Saved>() else {
+        // Whoever heard of the one before may have despawned it.
+        let saved = world.get_entity_mut(entity);
+        let Some(saved) = saved.ok().and_then(|mut entity| entity.take::<Saved>()) else {
             continue;
         };
         restored.accounts.insert(entity, saved.account);
@@ -171,9 +173,14 @@ fn restore_order(world: &mut World, loaded: &[(u64, Entity)]) {
     }
     orders.sort_unstable();
     for (entity, order) in entities.into_iter().zip(orders) {
-        if world.get::<SpawnOrder>(entity) != Some(&order) {
+        if world
+            .get::<SpawnOrder>(entity)
+            .is_some_and(|known| *known != order)
+        {
             world.entity_mut(entity).insert(order);
-            children::mark_if_part(&mut DeferredWorld::from(&mut *world), entity);
+            if world.get_entity(entity).is_ok() {
+                children::mark_if_part(&mut DeferredWorld::from(&mut *world), entity);
+            }
         }
     }
 }

@@ -85,7 +85,7 @@ pub fn prepare(world: &mut World) -> Vec<Entity> {
             next = world.get::<ChildOf>(at).map(ChildOf::parent);
         }
     }
-    world.insert_batch(saved);
+    _ = world.try_insert_batch(saved);
     entities
 }
 

@@ -30,7 +30,11 @@ impl SolveRows for PointRows {
             record_history: context.solver.record_history,
         };
         problem.warm_start(solver.warm_start());
-        solver.solve(&mut problem)
+        let report = solver.solve(&mut problem);
+        for joint in problem.joints.iter_mut() {
+            joint.turn_on(problem.bodies, problem.dt);
+        }
+        report
     }
 
     fn is_small(&self, _: usize) -> bool {

@@ -32,7 +32,10 @@ pub fn put_back(world: &mut World, region: Region) -> Vec<Entity> {
     connect(world, &slots, contacts, &neighbours);
     let has_changed = world.resource::<ActiveSettings>().changes() != settings;
     for &body in &entities {
-        let mut body = world.entity_mut(body);
+        // Whoever heard of the one before may have despawned it.
+        let Ok(mut body) = world.get_entity_mut(body) else {
+            continue;
+        };
         if has_changed && let Some(mut sleeping) = body.get_mut::<Sleeping>() {
             sleeping.wake();
         }
@@ -128,21 +131,23 @@ fn connect(
         }
     }
     world.resource_mut::<Suspended>().0 = suspended;
-    world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
-        for slot in ended {
-            graph.part(slot);
+    let mut graph = world.resource_mut::<ConstraintGraph>();
+    for slot in ended {
+        graph.part(slot);
+    }
+    bundles.retain_mut(|(_, (pair, ..))| {
+        let is_new = !graph.has_contact(pair.slots);
+        if is_new {
+            pair.edge = graph.insert_inactive(pair.slots);
         }
-        bundles.retain_mut(|(_, (pair, ..))| {
-            let is_new = !graph.has_contact(pair.slots);
-            if is_new {
-                pair.edge = graph.insert_inactive(pair.slots);
-            }
-            is_new
-        });
-        let (links, bundles): (Vec<bool>, Vec<_>) = bundles.into_iter().unzip();
-        let edges: Vec<u32> = bundles.iter().map(|(pair, ..)| pair.edge).collect();
-        let pairs = world.spawn_batch(bundles);
-        for ((pair, edge), links) in pairs.zip(edges).zip(links) {
+        is_new
+    });
+    let (links, bundles): (Vec<bool>, Vec<_>) = bundles.into_iter().unzip();
+    let edges: Vec<u32> = bundles.iter().map(|(pair, ..)| pair.edge).collect();
+    // Observers of pairs may use the graph.
+    let pairs: Vec<Entity> = world.spawn_batch(bundles).collect();
+    world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
+        for ((pair, edge), links) in pairs.into_iter().zip(edges).zip(links) {
             graph.name(edge, pair);
             graph.set_links(edge, links);
         }

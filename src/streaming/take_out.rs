@@ -12,6 +12,7 @@ use crate::grab::{Grab, HeldBy};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::settings::{ActiveSettings, StepTime};
 use crate::solver::sort;
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
@@ -168,17 +169,20 @@ fn copy(
 
 /// Removes the bodies and their pairs from the simulation.
 fn remove(world: &mut World, found: &[Found]) {
+    let graph = world.resource::<ConstraintGraph>();
+    let edges = found.iter().flat_map(|&(slot, _)| graph.edges_at(slot));
+    let edges: Vec<(u32, Entity)> = edges.map(|(edge, _)| (edge.edge, edge.pair)).collect();
+    for &(_, pair) in &edges {
+        world.try_despawn(pair).ok();
+    }
+    // These contacts have not ended, so nobody hears of them.
+    let mut pairs: EntityHashSet = edges.iter().map(|&(_, pair)| pair).collect();
+    let mut lost = world.resource_mut::<LostPairs>();
+    lost.0.retain(|(pair, _)| !pairs.remove(pair));
     world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
-        // These contacts have not ended, so nobody hears of them.
-        let lost = world.resource::<LostPairs>().0.len();
-        for &(slot, _) in found {
-            let edges: Vec<_> = graph.edges_at(slot).collect();
-            for (edge, _) in edges {
-                world.try_despawn(edge.pair).ok();
-                graph.remove(edge.edge, edge.pair);
-            }
+        for (edge, pair) in edges {
+            graph.remove(edge, pair);
         }
-        world.resource_mut::<LostPairs>().0.truncate(lost);
         let slots: Vec<u32> = found.iter().map(|&(slot, _)| slot).collect();
         world.resource_mut::<Broadphase>().take_boxes(&slots);
         let mut table = world.resource_mut::<BodyTable>();
@@ -196,5 +200,6 @@ fn remove(world: &mut World, found: &[Found]) {
         }
     }
     let marked = found.iter().map(|&(_, body)| (body, RigidBodyDisabled));
-    world.insert_batch(marked.collect::<Vec<_>>());
+    // Whoever heard of the pairs or of the one before may have despawned some.
+    _ = world.try_insert_batch(marked.collect::<Vec<_>>());
 }

@@ -147,6 +147,7 @@ impl<R: Rows> ProblemSet<R> {
                 forces: forces.start,
                 filtered: forces.filtered,
                 late: forces.late,
+                angles: forces.angles,
                 filter: breaks.copied().unwrap_or_default().response,
                 ..edge.constraint(table)
             });

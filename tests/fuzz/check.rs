@@ -153,7 +153,7 @@ impl Watch {
 }
 
 /// The innocent stack has the same bits as in the world without guests, and no errors are reported about it.
-fn innocent(site: &mut Site) -> Result<(), Fault> {
+pub fn innocent(site: &mut Site) -> Result<(), Fault> {
     drain::<StepError>(&mut site.noisy.world);
     drain::<StepError>(&mut site.quiet.world);
     for half in [&mut site.quiet, &mut site.noisy] {

@@ -13,7 +13,7 @@ mod shape;
 mod site;
 mod twins;
 
-use run::{Tally, episode, fuzz};
+use run::{Tally, episode, fuzz, misbehave};
 
 /// Some 30 s, in two tests, so that two cores share them.
 const EPISODES: u64 = 700;
@@ -26,6 +26,17 @@ fn whatever_is_done_to_a_world_hurts_nobody_else() {
 #[test]
 fn whatever_is_done_to_another_world_hurts_nobody_else() {
     fuzz(EPISODES / 2..EPISODES);
+}
+
+#[test]
+fn observers_that_do_anything_within_a_step_hurt_nobody_else() {
+    misbehave(0..120);
+}
+
+#[test]
+#[ignore = "long"]
+fn observers_hurt_nobody_else_in_a_million_operations() {
+    misbehave(0..1_000_000 / run::LENGTH as u64);
 }
 
 #[test]

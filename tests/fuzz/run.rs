@@ -1,6 +1,6 @@
 //! Episodes: rolled, done, and cut down where they fail.
 
-use crate::check::{Fault, Watch};
+use crate::check::{Fault, Watch, innocent};
 use crate::dice::{Dice, spoils};
 use crate::operation::{Act, EDITS, Operation, Spawn};
 use crate::site::Site;
@@ -116,6 +116,33 @@ fn fails(seed: u64, acts: &[Act]) -> Option<(usize, Fault)> {
         }
     }
     None
+}
+
+/// Episodes in which observers do anything to guests while the world takes a step. What holds for guests otherwise need not hold then; but nothing
+/// panics, and the innocent are not affected.
+///
+/// # Panics
+/// If that is not so, with everything that is known of it.
+pub fn misbehave(seeds: Range<u64>) {
+    for seed in seeds {
+        let mut site = Site::new(spoils(seed));
+        site.misbehave(seed);
+        let acts = roll(seed);
+        for (i, act) in acts.iter().enumerate() {
+            let found = guarded(|| {
+                let is_step = site.act(act);
+                site.count();
+                match is_step {
+                    true => innocent(&mut site),
+                    false => Ok(()),
+                }
+            });
+            if let Err(fault) = found {
+                _ = panic::take_hook();
+                panic!("seed {seed}, operation {i}, {act:?}: {fault:?}");
+            }
+        }
+    }
 }
 
 /// Removes operations that are not needed to fail in the same way: halves, quarters, and so on.

@@ -23,6 +23,7 @@ use drystone::settings::{
 use glam::Vec3;
 use parry3d::shape::ShapeType;
 use std::collections::HashSet;
+use support::mischief;
 
 /// There are never more guests.
 const CROWD: usize = 20;
@@ -49,6 +50,8 @@ pub struct Site {
     pub free: HashSet<Entity>,
     /// Returns true if the settings of solver and stabilization have always been the defaults, and no half-space presses on bodies on the ground.
     pub plain: bool,
+    /// Whether observers act while the noisy world takes a step.
+    misbehaves: bool,
 }
 
 impl Half {
@@ -95,6 +98,7 @@ impl Site {
             tainted: HashSet::new(),
             free: HashSet::new(),
             plain: true,
+            misbehaves: false,
         }
     }
 
@@ -196,8 +200,15 @@ impl Site {
         false
     }
 
+    /// Has observers do anything to guests in the steps of the noisy world; see [`mischief`].
+    pub fn misbehave(&mut self, seed: u64) {
+        let spared = self.noisy.innocent.clone();
+        mischief::listen(&mut self.noisy.world, seed, usize::MAX, spared);
+        self.misbehaves = true;
+    }
+
     /// Counts the bodies, and records which body is below which.
-    fn count(&mut self) {
+    pub fn count(&mut self) {
         let world = &self.noisy.world;
         self.guests.retain(|&guest| world.get_entity(guest).is_ok());
         for &guest in &self.guests {
@@ -247,8 +258,14 @@ impl Site {
             }
         }
         self.count();
-        let taken = [&mut self.noisy, &mut self.quiet]
-            .map(|half| drystone::step(&mut half.world, dt).is_ok());
+        let step = |world: &mut World| drystone::step(world, dt).is_ok();
+        let taken = [
+            match self.misbehaves {
+                true => mischief::during(&mut self.noisy.world, step),
+                false => step(&mut self.noisy.world),
+            },
+            step(&mut self.quiet.world),
+        ];
         assert_eq!(taken[0], taken[1]);
         taken[0] && dt > 0.0
     }

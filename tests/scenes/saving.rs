@@ -246,6 +246,54 @@ fn a_door_and_a_chain_hang() {
     }
 }
 
+/// A winch on its way is many turns from where its drum points.
+#[test]
+fn a_winch_goes_on_with_its_turns() {
+    let mut lab = Lab::new();
+    lab.dt = 1.0 / 60.0;
+    let drum = lab.body(Collider::cylinder(0.3, 0.6), Vec3::Y * 2.0);
+    let motor = JointMotor::position(60.0, 40.0, 30.0);
+    let winch = RevoluteJoint::new(None, drum).with_hinge_axis(Vec3::Y);
+    let winch = lab.spawn(winch.with_motor(motor).with_angle_limits(-1.0, 61.0));
+    lab.run(1.0);
+    let angle = |world: &World, joint| world.get::<JointForces>(joint).unwrap().angle().unwrap();
+    let before = angle(&lab.world, winch);
+    assert!((10.0..55.0).contains(&before), "{before}");
+    let text = save(&mut lab.world);
+    let mut other = other_world(lab.dt);
+    let map = load(&mut other.world, &text);
+    for _ in 0..60 {
+        lab.step();
+        other.step();
+        let [here, there] = [angle(&lab.world, winch), angle(&other.world, map[&winch])];
+        assert_eq!(here, there);
+    }
+    assert!(angle(&lab.world, winch) > before);
+}
+
+#[test]
+fn a_text_with_compounds_within_each_other_is_an_error() {
+    let nested = |depth: usize| {
+        let part =
+            "Compound(parts: [(position: (0.0, 0.0, 0.0), rotation: (0.0, 0.0, 0.0, 1.0), shape: ";
+        part.repeat(depth) + "Ball(radius: 0.5)" + &")])".repeat(depth)
+    };
+    let without_limit = ron::Options::default().without_recursion_limit();
+    for depth in [1, 2, 30, 20_000] {
+        let text = nested(depth);
+        assert_eq!(
+            ron::from_str::<Collider>(&text).is_ok(),
+            depth == 1,
+            "{depth}"
+        );
+        assert_eq!(
+            without_limit.from_str::<Collider>(&text).is_ok(),
+            depth == 1,
+            "{depth}"
+        );
+    }
+}
+
 #[test]
 fn joints_bear_their_loads_at_once() {
     let mut lab = Lab::new();

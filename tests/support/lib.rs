@@ -1,9 +1,10 @@
-//! Code that the tests share: a world without an app, functions that spawn bodies, the state of a world in another one ([`copy`]), and
-//! [`masonry`] with its limits by statics.
+//! Code that the tests share: a world without an app, functions that spawn bodies, the state of a world in another one ([`copy`]),
+//! [`masonry`] with its limits by statics, and observers that do [`mischief`].
 
 pub mod accuracy;
 pub mod copy;
 pub mod masonry;
+pub mod mischief;
 
 use bevy_app::App;
 use bevy_ecs::message::Messages;

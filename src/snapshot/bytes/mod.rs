@@ -27,7 +27,8 @@ use super::resource::Kept;
 use super::{Origin, Snapshot};
 use crate::collider::SharedShapes;
 use crate::state::erased::{How, Values};
-use bevy_ecs::entity::{Entity, EntityHashSet};
+use bevy_ecs::entity::{Entity, EntityHashMap, EntityHashSet};
+use bevy_ecs::hierarchy::ChildOf;
 use earlier::Earlier;
 use stream::{Reader, Writer};
 
@@ -35,7 +36,7 @@ use stream::{Reader, Writer};
 const NAME: &[u8; 8] = b"DRYSTONE";
 
 /// The version of the format.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// The name of the [slips] in messages.
 const SLIPS: &str = "valid slips";
@@ -141,12 +142,37 @@ impl Snapshot {
             let earlier = Earlier::new(old, &earlier.layout, &rows);
             column.decode(kind, layout, earlier, from)?;
         }
+        snapshot.check_parents()?;
         let valid: Vec<bool> = from.take(Some(&earlier.valid_slips()), SLIPS)?;
         snapshot.set_valid_slips(&valid)?;
         for (kept, old) in snapshot.resources.iter_mut().zip(&earlier.resources) {
             kept.decode(old, from)?;
         }
         Ok(snapshot)
+    }
+}
+
+impl Snapshot {
+    /// Checks that no entity is below itself, which would be looked for without end.
+    fn check_parents(&self) -> Result<(), SnapshotError> {
+        let column = &self.columns[self.place_of::<ChildOf>()];
+        let entities = column.rows(&self.layout).into_iter();
+        let entities = entities.map(|row| self.layout.entities[row]);
+        let parents = slips::values::<ChildOf>(column).iter();
+        let parents: EntityHashMap<Entity> = entities.zip(parents.map(ChildOf::parent)).collect();
+        let mut seen = EntityHashSet::default();
+        for &start in parents.keys() {
+            let mut way = EntityHashSet::default();
+            let mut next = Some(start);
+            while let Some(at) = next.filter(|at| !seen.contains(at)) {
+                if !way.insert(at) {
+                    return Err(SnapshotError::Damaged);
+                }
+                next = parents.get(&at).copied();
+            }
+            seen.extend(way);
+        }
+        Ok(())
     }
 }
 

@@ -51,14 +51,14 @@ impl Snapshot {
     }
 
     /// The number of a component on the list.
-    fn place_of<T: 'static>(&self) -> usize {
+    pub(super) fn place_of<T: 'static>(&self) -> usize {
         let mut columns = self.columns.iter();
         let place = columns.position(|column| column.kind.type_id() == TypeId::of::<T>());
         place.expect(LISTED)
     }
 }
 
-fn values<T: 'static>(column: &Column) -> &[T] {
+pub(super) fn values<T: 'static>(column: &Column) -> &[T] {
     column.values.as_slice().typed().expect(LISTED)
 }
 

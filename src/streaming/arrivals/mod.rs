@@ -15,7 +15,7 @@ mod loads;
 
 use crate::body::{
     BodyIndex, BodyTable, Inactive, InactiveBodies, NewBodies, RigidBody, Simulated, Sleeping,
-    add_asleep, note_written,
+    add_asleep, note_written, with_table,
 };
 use crate::broadphase::{Broadphase, rest_box};
 use crate::collapse::Watch;
@@ -124,7 +124,7 @@ pub fn arrive(
         // Bodies that are left to the stages must arrive together with their ground, and so must all that stands on it.
         others.append(&mut list);
     }
-    let (slots, unfit) = world.resource_scope(|world, mut table: Mut<BodyTable>| {
+    let (slots, unfit) = with_table(world, |world, mut table| {
         let now = world.change_tick();
         let known = inactive.get(world).expect("bodies can always be read");
         note_written(&mut table, known, now);
@@ -144,7 +144,7 @@ pub fn arrive(
         );
         others.extend(leave(world, &mut broadphase, &groups.left_out));
         world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {
-            world.resource_scope(|world, mut table: Mut<BodyTable>| {
+            with_table(world, |world, mut table| {
                 connect(world, &mut graph, &mut table, &groups);
             });
         });
@@ -169,7 +169,7 @@ fn take_grounds(world: &mut World) -> Vec<Entity> {
     });
     let grounds: Vec<Entity> = new.map(|(entity, ..)| entity).collect();
     let marked = grounds.iter().map(|&ground| (ground, Inactive::new()));
-    world.insert_batch(marked.collect::<Vec<_>>());
+    _ = world.try_insert_batch(marked.collect::<Vec<_>>());
     grounds
 }
 

@@ -1,10 +1,11 @@
 //! The coordinates of a joint, and the directions in which they change.
 
-use super::JointConstraint;
 use super::rows::{SWING, is_angular};
+use super::{JointAxis, JointConstraint};
 use crate::Both;
 use bevy_math::ops;
 use glam::{Quat, Vec3};
+use std::f32::consts::{FRAC_PI_2, TAU};
 
 /// The motion of a body since the beginning of the step: displacement of its centre, m, and rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,8 +38,8 @@ pub struct Geometry {
     frame: Quat,
     /// B's frame relative to A's.
     relative: Quat,
-    /// The axis of the only rotation that is not locked, or of the twist of a joint with a cone.
-    hinge: Option<usize>,
+    /// The axis of the rotation that counts turns, and its angle.
+    hinge: Option<(usize, f32)>,
     /// `relative` as a rotation vector, if rotations are its components and something acts on them.
     turn: Option<Turn>,
 }
@@ -48,22 +49,36 @@ pub struct Geometry {
 struct Turn {
     vector: Vec3,
     curved: f32,
+    /// Whether something depends on it beyond a half turn.
+    is_kept: bool,
 }
 
 impl Turn {
-    fn of(rotation: Quat) -> Self {
+    /// The shorter way of a rotation; or the longer one, if it is nearer to `last` and not longer than [`LONGEST`]. So a rotation that passes
+    /// a half turn goes on, and does not come back from the other side.
+    fn of(rotation: Quat, is_kept: bool, last: Option<Vec3>) -> Self {
         let sine = rotation.xyz();
         let length = sine.length();
-        let half = ops::atan2(length, rotation.w);
+        let mut half = ops::atan2(length, rotation.w);
         let scale = if length > NONE {
             2.0 * half / length
         } else {
             2.0
         };
-        let vector = scale * sine;
+        let mut vector = scale * sine;
+        if let Some(last) = last
+            && is_kept
+            && 2.0 * half > TAU - LONGEST
+        {
+            let longer = vector * (1.0 - TAU / (2.0 * half));
+            if longer.distance_squared(last) < vector.distance_squared(last) {
+                (vector, half) = (longer, half - 0.5 * TAU);
+            }
+        }
         let square = vector.length_squared();
         Self {
             vector,
+            is_kept,
             curved: match square > 1e-4 {
                 true => (1.0 - half * rotation.w / length) / square,
                 false => 1.0 / 12.0,
@@ -132,6 +147,58 @@ const CURVED: f32 = 0.9;
 /// Below this sine or distance a direction is not defined by it.
 const NONE: f32 = 1e-6;
 
+/// The longest rotation vector, rad. One of a whole turn has no direction.
+const LONGEST: f32 = 3.0 * FRAC_PI_2;
+
+/// A limit or a target beyond this angle makes its axis the one that counts turns, rad: a motor may pass it by as much again.
+const FAR: f32 = FRAC_PI_2;
+
+/// A body that was placed beyond a limit by less than this is meant to be at the limit, rad, and not a turn further on.
+const MISPLACED: f32 = 0.1;
+
+/// Whether a rotation shall go further than a rotation vector can tell.
+fn reaches_far(axis: &JointAxis) -> bool {
+    let far = |angle: f32| angle.abs() > FAR && angle.is_finite();
+    let target = axis.motor.filter(|motor| motor.stiffness > 0.0);
+    axis.limits.into_iter().any(far) || target.is_some_and(|motor| far(motor.target_position))
+}
+
+/// Whether something depends on where a rotation is, and not only on how fast it is.
+fn is_placed(axis: &JointAxis) -> bool {
+    let is_limited = axis.limits.into_iter().any(f32::is_finite);
+    is_limited && !axis.is_locked() || axis.motor.is_some_and(|motor| motor.stiffness > 0.0)
+}
+
+/// The only one of the rotations for which something holds.
+fn only(joint: &JointConstraint, holds: impl Fn(&JointAxis) -> bool) -> Option<usize> {
+    let mut found = (0..3).filter(|&axis| holds(&joint.axes[axis + 3]));
+    found.next().filter(|_| found.next().is_none())
+}
+
+/// The angle that is `raw` but for whole turns: the one nearest to the last.
+fn nearest(raw: f32, last: f32) -> f32 {
+    match ((last - raw) / TAU).round() {
+        // Keeps the sign of zero.
+        0.0 => raw,
+        turns => raw + TAU * turns,
+    }
+}
+
+/// The first angle of a joint: the one from −π to π, or one in the limits if that is clearly not.
+fn first(raw: f32, [least, most]: [f32; 2]) -> f32 {
+    let found = if raw < least - MISPLACED {
+        raw + TAU * ((least - raw) / TAU).ceil()
+    } else if raw > most + MISPLACED {
+        raw - TAU * ((raw - most) / TAU).ceil()
+    } else {
+        raw
+    };
+    match least <= found && found <= most {
+        true => found,
+        false => raw,
+    }
+}
+
 impl Geometry {
     #[inline]
     pub fn new(joint: &JointConstraint, placements: [Placement; 2]) -> Self {
@@ -140,11 +207,9 @@ impl Geometry {
         let gap = joint.gap + (way[1] - way[0]);
         let [frame, other] = [0, 1].both(|side| placements[side].turned * joint.frames[side]);
         let relative = frame.inverse() * other;
-        let mut turns = (3..6).filter(|&axis| !joint.axes[axis].is_locked());
-        let hinge = match (turns.next(), turns.next()) {
-            _ if joint.swing.is_some() => Some(0),
-            (Some(axis), None) => Some(axis - 3),
-            _ => None,
+        let hinge = match joint.swing {
+            Some(_) => Some(0),
+            None => only(joint, |axis| !axis.is_locked()).or_else(|| only(joint, reaches_far)),
         };
         // The shorter way.
         let relative = if relative.w < 0.0 {
@@ -153,14 +218,54 @@ impl Geometry {
             relative
         };
         let acts = hinge.is_none() && joint.axes[3..].iter().any(|axis| !axis.is_free());
+        let angle = |hinge: usize| {
+            let raw = 2.0 * ops::atan2(relative.xyz()[hinge], relative.w);
+            let angle = match joint.angles {
+                Some(last) => nearest(raw, last[hinge]),
+                None => first(raw, joint.axes[hinge + 3].limits),
+            };
+            (hinge, angle)
+        };
         Self {
             arms: [turned[0] + gap, turned[1]],
             gap,
             axes: [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| frame * axis),
             frame,
             relative,
-            hinge,
-            turn: acts.then(|| Turn::of(relative)),
+            hinge: hinge.map(angle),
+            turn: acts.then(|| {
+                Turn::of(
+                    relative,
+                    joint.axes[3..].iter().any(is_placed),
+                    joint.angles,
+                )
+            }),
+        }
+    }
+
+    /// The axis of the rotation that counts turns.
+    #[inline]
+    pub fn hinge(&self) -> Option<usize> {
+        self.hinge.map(|(hinge, _)| hinge)
+    }
+
+    /// The angles that the joint has next as its last ones, rad: the one that counts turns, or else the rotation vector, if its length counts.
+    #[inline]
+    pub fn angles(&self) -> Option<Vec3> {
+        match self.hinge {
+            Some((hinge, angle)) => Some(angle * Vec3::AXES[hinge]),
+            None => self
+                .turn
+                .filter(|turn| turn.is_kept)
+                .map(|turn| turn.vector),
+        }
+    }
+
+    /// Adds to the angle that counts turns what a rotation of B relative to A (rad, world) adds to it.
+    #[inline]
+    pub fn turn_on(&self, angles: &mut Option<Vec3>, turned: Vec3) {
+        if let (Some((hinge, _)), Some(angles)) = (self.hinge, angles) {
+            angles[hinge] += self.axes[hinge].dot(turned);
         }
     }
 
@@ -174,8 +279,8 @@ impl Geometry {
             },
             SWING => self.swing(),
             _ if is_angular(number) => match self.hinge {
-                Some(hinge) if number == hinge + 3 => self.angle(hinge),
-                Some(hinge) => self.tilt(hinge, number - 3),
+                Some((hinge, angle)) if number == hinge + 3 => self.angle(hinge, angle),
+                Some((hinge, _)) => self.tilt(hinge, number - 3),
                 None => self.turn(number - 3),
             },
             _ => {
@@ -197,13 +302,12 @@ impl Geometry {
         Vec3::from_array(self.axes.map(|axis| axis.dot(vector)))
     }
 
-    /// The angle of a hinge, −π to π.
-    fn angle(&self, hinge: usize) -> Coordinate {
-        let about = self.relative.xyz()[hinge];
+    /// The angle that counts turns.
+    fn angle(&self, hinge: usize, angle: f32) -> Coordinate {
         let (own, other) = self.hinge_axes(hinge);
         let cosine = own.dot(other);
         Coordinate {
-            value: 2.0 * ops::atan2(about, self.relative.w),
+            value: angle,
             direction: match cosine > -0.5 {
                 true => self.frame * ((own + other) / (1.0 + cosine)),
                 false => self.axes[hinge],
@@ -248,7 +352,9 @@ impl Geometry {
 
     /// A component of the rotation vector φ. Its rate is ω − ½ φ×ω + k φ×(φ×ω), with ω the relative angular velocity in A's frame.
     fn turn(&self, axis: usize) -> Coordinate {
-        let found = self.turn.unwrap_or_else(|| Turn::of(self.relative));
+        let found = self
+            .turn
+            .unwrap_or_else(|| Turn::of(self.relative, false, None));
         let (turn, curved) = (found.vector, found.curved);
         let own = Vec3::AXES[axis];
         let across = turn.cross(own);
@@ -292,7 +398,6 @@ impl Geometry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::JointAxis;
     use std::f32::consts::PI;
 
     fn joint(free: &[usize]) -> JointConstraint {

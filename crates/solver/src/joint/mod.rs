@@ -35,8 +35,9 @@ pub struct JointConstraint {
     pub frames: [Quat; 2],
     /// Translation of B's anchor along x, y and z of A's frame, m; then rotation of B's frame relative to A's about x, y and z, rad.
     ///
-    /// If one rotation is not locked, it is the full angle about that axis, −π to π, and the others are the tilt of the axis. So it is for the
-    /// rotation about x if there is a `swing`. Otherwise the rotations are the components of the rotation vector.
+    /// If one rotation is not locked, it is the angle about that axis with all its turns, and the others are the tilt of the axis. So it is for
+    /// the rotation about x if there is a `swing`, and otherwise for the only rotation with a limit or a target beyond a quarter turn. If there is
+    /// none, or several, the rotations are the components of the rotation vector, up to three quarters of a turn.
     pub axes: [JointAxis; 6],
     /// The distance of the anchors, m: for ropes and springs. It is never locked at zero; lock the translations for that.
     pub distance: Option<JointAxis>,
@@ -60,6 +61,9 @@ pub struct JointConstraint {
     /// Errors of position up to these are rounding of poses, m and rad. Rows are so stiff that rounding would keep a joint from coming to rest,
     /// and would put bonds that hold each other under more stress than mortar bears.
     pub slack: [f32; 2],
+    /// In: the rotations at the end of the last step, rad; `None` if there was none. Turns are counted from them. Out: those at the end of this
+    /// step: the one that counts turns alone, if there is one; `None` if no limit, motor or spring depends on any.
+    pub angles: Option<Vec3>,
     /// Out: the section has broken in this step, by this stress.
     pub broke: Option<Utilization>,
 }
@@ -82,6 +86,7 @@ impl Default for JointConstraint {
             filter: 0.01,
             section: None,
             slack: [0.0; 2],
+            angles: None,
             broke: None,
         }
     }
@@ -180,6 +185,15 @@ impl JointConstraint {
         let [a, b] = self.bodies;
         let moves = |body: u32| bodies[body as usize].inverse_mass > 0.0;
         a != b && (moves(a) || moves(b))
+    }
+
+    /// Turns the angle that counts turns by the motion of the bodies over `h` s, for solvers that move bodies by their velocities. Between two
+    /// looks at its bodies, a joint may turn by more than a half turn.
+    pub fn turn_on(&mut self, bodies: &[Body], h: f32) {
+        if self.acts(bodies) {
+            let [a, b] = self.bodies.both(|body| bodies[body as usize].angular);
+            Geometry::new(self, [Placement::START; 2]).turn_on(&mut self.angles, h * (b - a));
+        }
     }
 
     /// Filters the mean force and torque of a step of `h` s.

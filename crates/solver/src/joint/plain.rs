@@ -81,7 +81,10 @@ impl PlainJoint {
             h,
             inverse: ends.both(|body| (body.inverse_mass * body.free_axes, body.inverse_inertia)),
             rows: rows.collect(),
-            joint: *joint,
+            joint: JointConstraint {
+                angles: geometry.angles(),
+                ..*joint
+            },
         })
     }
 

@@ -308,7 +308,7 @@ impl Joints {
         self.logs.extend(logs);
         let times = self.times();
         for link in &mut self.links {
-            let joint = &self.joints[link.joint];
+            let joint = &mut self.joints[link.joint];
             for row in &mut self.rows[link.rows.clone()] {
                 *row = Row::new(row.coordinate, row.part);
             }
@@ -435,12 +435,19 @@ impl Joints {
             }
             piece.is_calm = false;
             let links = &mut self.links[piece.links.clone()];
+            for link in links.iter().filter(|link| link.geometry.hinge().is_some()) {
+                let [a, b] = link
+                    .ends
+                    .both(|end| read(velocities, self.members[end].body as usize)[1]);
+                let angles = &mut self.joints[link.joint].angles;
+                link.geometry.turn_on(angles, self.h * (b - a));
+            }
             if links.iter().any(|link| link.is_stale(&self.members)) {
                 for member in &mut self.members[piece.members.clone()] {
                     member.refresh();
                 }
                 for link in links {
-                    link.point(&self.joints[link.joint], &mut self.rows, &self.members);
+                    link.point(&mut self.joints[link.joint], &mut self.rows, &self.members);
                 }
                 (piece.is_stale, piece.is_refreshed) = (true, true);
             } else {
@@ -559,6 +566,7 @@ impl Joints {
             joint.mean = log.sum.both(|sum| sum / self.substeps as f32);
             (joint.filtered, joint.late, joint.peak) = (log.filtered, log.late, log.peak);
             joint.broke = log.broke;
+            joint.angles = link.angles(&self.joints[link.joint], &self.members);
         }
         for member in self.members.iter().filter(|member| member.moves) {
             let body = &mut problem.bodies[member.body as usize];

@@ -346,10 +346,23 @@ impl Link {
         })
     }
 
+    /// The angles with which the next step goes on.
+    pub fn angles(&self, joint: &JointConstraint, members: &[Member]) -> Option<Vec3> {
+        match self.geometry.hinge() {
+            Some(_) => {
+                let placements = self.ends.both(|end| members[end].placement);
+                Geometry::new(joint, placements).angles()
+            }
+            // A joint that slowly turns further than since the last refresh still knows its turns.
+            None => joint.angles,
+        }
+    }
+
     /// Computes directions and coordinates.
-    pub fn point(&mut self, joint: &JointConstraint, rows: &mut [Row], members: &[Member]) {
+    pub fn point(&mut self, joint: &mut JointConstraint, rows: &mut [Row], members: &[Member]) {
         let ends = self.ends.both(|end| &members[end]);
         self.geometry = Geometry::new(joint, ends.both(|end| end.placement));
+        joint.angles = self.geometry.angles();
         self.refreshed = ends.both(|end| end.drifted);
         let Geometry { arms, gap, .. } = self.geometry;
         self.bears_move = MOVED * (arms[0].length() + arms[1].length() + gap.length());

@@ -170,9 +170,24 @@ impl BreakForce {
         self.force >= 0.0 && self.torque >= 0.0 && limits::share_of(self.response, 1e3)
     }
 
-    /// Returns true if a joint with these forces breaks.
-    pub(crate) fn is_exceeded(&self, forces: &JointForces) -> bool {
-        forces.filtered_force > self.force || forces.filtered_torque > self.torque
+    /// The load of a joint as a share of its strength, if it is larger than 1. `before` are the forces of the last step. Filtered forces outlast the
+    /// relief by a neighbour that has broken, so a load that only decreases must last until the end of the step.
+    pub(crate) fn exceeded_share(&self, before: &JointForces, now: &JointForces) -> Option<f32> {
+        let share = |load: f32, strength: f32| {
+            if load > strength {
+                load / strength
+            } else {
+                0.0
+            }
+        };
+        let load = |peak: f32, i: usize, strength: f32| {
+            let [before, end] = [before, now].map(|forces| forces.filtered[i].length());
+            let counts = peak > before || end > strength;
+            if counts { share(peak, strength) } else { 0.0 }
+        };
+        let share =
+            load(now.filtered_force, 0, self.force).max(load(now.filtered_torque, 1, self.torque));
+        (share > 0.0).then_some(share)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Storing the results of a solve in the components of bodies, pairs and grabs, which are found by their entities.
 
 use super::{Acting, Solve, SolveRows};
-use crate::body::{ActiveBodies, Motion, Velocity, limits};
+use crate::body::{ActiveBodies, BodyState, Motion, SpawnOrder, Velocity, limits};
 use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::grab::GrabForce;
 use crate::joint::{JointBroke, JointForces};
@@ -97,8 +97,10 @@ impl Solve<'_> {
         }
     }
 
-    /// Stores the forces of joints, and finds those that break.
+    /// Stores the forces of joints, and finds those that break. A joint that breaks relieves its neighbours. So of the joints that would break, one
+    /// breaks only if no other joint of its two bodies is nearer to breaking; the others get another step.
     fn store_joints<R: SolveRows>(&self, problems: &ProblemSet<R>, acting: &mut Acting) {
+        let mut overloaded: Vec<Overloaded> = Vec::new();
         for gathered in &problems.joints.gathered {
             let Some(island) = problems.islands.get(gathered.island as usize) else {
                 continue;
@@ -109,6 +111,7 @@ impl Solve<'_> {
             if let Ok((edge, mut forces, breaks)) = acting.joints.get_mut(gathered.joint)
                 && edge.edge == gathered.edge
             {
+                let before = *forces;
                 forces.set_if_neq(JointForces::of(solved));
                 if let Some(found) = solved.broke
                     && !island.diverged
@@ -117,13 +120,43 @@ impl Solve<'_> {
                     let broke = broke.map(|broke| (edge.order, broke));
                     acting.broken_mortar.found.extend(broke);
                 }
-                if breaks.is_some_and(|breaks| breaks.is_exceeded(&forces)) && !island.diverged {
-                    let broke = JointBroke::new(gathered.joint, edge, &forces);
-                    acting.broken.found.push((edge.order, broke));
+                let used = breaks.and_then(|breaks| breaks.exceeded_share(&before, &forces));
+                if let Some(share) = used.filter(|_| !island.diverged) {
+                    overloaded.push(Overloaded {
+                        share,
+                        slots: edge.slots,
+                        order: edge.order,
+                        broke: JointBroke::new(gathered.joint, edge, &forces),
+                    });
                 }
             }
         }
+        let moves = |slot: u32| self.table.get(slot).is_some_and(BodyState::is_dynamic);
+        let breaks = |joint: &&Overloaded| {
+            let is_nearer = |other: &Overloaded| {
+                let shared = joint
+                    .slots
+                    .into_iter()
+                    .any(|slot| other.slots.contains(&slot) && moves(slot));
+                shared && other.share > joint.share
+            };
+            !overloaded.iter().any(is_nearer)
+        };
+        let broken = overloaded.iter().filter(breaks);
+        acting
+            .broken
+            .found
+            .extend(broken.map(|joint| (joint.order, joint.broke)));
     }
+}
+
+/// A joint whose strength was exceeded.
+struct Overloaded {
+    /// Its load as a share of its strength.
+    share: f32,
+    slots: [u32; 2],
+    order: SpawnOrder,
+    broke: JointBroke,
 }
 
 /// Stores the forces of grabs.

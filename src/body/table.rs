@@ -202,6 +202,11 @@ impl BodyState {
         self.force.as_deref().copied().unwrap_or_default()
     }
 
+    /// Returns true if an external force acts on the body.
+    pub(crate) fn is_pushed(&self) -> bool {
+        self.force() != ExternalForce::default()
+    }
+
     /// Whether the external force is the same as in the last step. Most bodies have none.
     #[inline]
     pub(super) fn has_force(&self, force: Option<&ExternalForce>) -> bool {

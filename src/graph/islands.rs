@@ -8,6 +8,7 @@
 use super::ConstraintGraph;
 use super::account::Accounts;
 use super::activation::{Deactivation, activate, deactivate};
+use super::drift::Drifts;
 use super::forces::Forces;
 use super::levels::{Kind, Levels};
 use super::need::{Need, Sleepers};
@@ -57,6 +58,8 @@ pub struct Islands {
     pub(super) sleepers: usize,
     /// The forces on sleeping bodies that touch awake ones.
     pub(super) accounts: Accounts,
+    /// What is known of the drift of bodies that are still, by slot.
+    pub(super) drifts: Drifts,
 }
 
 clone_fields!(Islands {
@@ -76,6 +79,7 @@ clone_fields!(Islands {
     boundary,
     sleepers,
     accounts,
+    drifts,
 });
 
 impl Default for Islands {
@@ -97,6 +101,7 @@ impl Default for Islands {
             boundary: Vec::new(),
             sleepers: 0,
             accounts: Accounts::default(),
+            drifts: Drifts::default(),
         }
     }
 }
@@ -589,6 +594,7 @@ impl Islands {
         if let Some(body) = known.and_then(Option::take) {
             self.sleepers -= usize::from(body.sleeps());
             self.accounts.close(slot);
+            self.drifts.forget(slot);
             update.renewed.push(slot);
             if body.dynamic {
                 update.ends.extend(graph.neighbours(slot));

@@ -25,8 +25,10 @@
 mod account;
 mod activation;
 mod active;
+mod drift;
 mod edges;
 mod forces;
+mod held;
 mod islands;
 mod levels;
 mod need;

@@ -6,7 +6,7 @@
 //! which that is proportional):
 //! - It moves by no more than that now, and does not speed up. Places are compared, not velocities, because contacts make bodies tremble on the spot.
 //! - Or it slows down, so that it stops before it has moved by as much.
-//! - Or contacts hold it, and yet it creeps evenly. The solver lets heaps and walls creep by some tenths of a millimetre in a second. Nothing real
+//! - Or contacts hold it, and it creeps without speeding up. The solver lets heaps and walls creep by some tenths of a millimetre in a second. Nothing real
 //!   moves like that: dry friction stops what is not driven. A body that rolls, that a force, a moving surface or a speed limit drives, or whose
 //!   island has a joint that turns or slides, is not held in this sense.
 
@@ -23,17 +23,14 @@ const WAY: f32 = 0.1;
 /// s.
 const AHEAD: f32 = 10.0;
 
-/// A body speeds up if each look finds it faster than the one before, and the last by this factor faster than the first,
+/// A body speeds up if each look finds it faster than the one before: over four looks by this factor,
 const GROWTH: f32 = 1.02;
 
-/// and if its last speed is more than this share of the speed that a body at rest may have.
+/// over three looks by this factor,
+const JUMP: f32 = 1.1;
+
+/// and its last speed is more than this share of the speed that a body at rest may have.
 const SLOWEST: f32 = 0.1;
-
-/// A body creeps evenly if its largest speed is at most this times its smallest,
-const EVEN: f32 = 3.0;
-
-/// and its later speeds are at most this times its earlier ones.
-const STEADY: f32 = 1.3;
 
 /// What was seen of bodies that are still, by slot.
 #[derive(Debug, Default)]
@@ -123,7 +120,8 @@ impl Drifts {
                 false => Drifting::Goes,
             };
         }
-        if a > b && b > c && c > d && a > GROWTH * d && a > SLOWEST * slow {
+        let grows = a > b && b > c && c > d && a > GROWTH * d;
+        if grows && a > SLOWEST * slow {
             return Drifting::Goes;
         }
         if a + b <= 2.0 * slow || a + b + c + d <= 4.0 * slow {
@@ -136,10 +134,12 @@ impl Drifts {
         if share < 1.0 && last * share <= far * (1.0 - share) {
             return Drifting::Rests;
         }
-        let [least, most] = [f32::min, f32::max].map(|of| of(of(a, b), of(c, d)));
-        match most <= EVEN * least && a + b <= STEADY * (c + d) {
-            true => Drifting::Creeps,
-            false => Drifting::Goes,
+        let jumps = a > b && b > c && a > JUMP * c;
+        // What it came to rest from has ended, and something else goes on.
+        let turns = a > 0.9 * b && b < c && c < d && 2.0 * b < d;
+        match jumps || turns {
+            true => Drifting::Goes,
+            false => Drifting::Creeps,
         }
     }
 

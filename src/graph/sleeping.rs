@@ -71,9 +71,7 @@ pub fn sleeping(
             Drifting::Goes => false,
             Drifting::Creeps => {
                 let is_driven = || holding.is_driven(islands, island);
-                body.damping.is_none()
-                    && holding.holds(slot, state)
-                    && !*driven[island].get_or_insert_with(is_driven)
+                holding.holds(slot, state) && !*driven[island].get_or_insert_with(is_driven)
             }
         };
         restless[island] = !rests;

@@ -2,7 +2,8 @@
 //!
 //! These sleeping bodies wake:
 //! - A body that the user has moved, pushed or changed, and the two bodies of a contact that ended or was removed.
-//! - All bodies that are connected with a static or kinematic body that moves or was changed, or with a body that was one.
+//! - All bodies that are connected with a static or kinematic body that moves or was changed, or whose [hook](crate::contact::ContactHooks) was
+//!   replaced, or with a body that was one.
 //! - Bodies that are joined to an awake body, and bodies that are joined to those.
 //! - Bodies that awake bodies touch: under [`Waking::Islands`] all that are connected with them, under [`Waking::ByNeed`] those that
 //!   [need](super::need) it.
@@ -65,12 +66,17 @@ impl Islands {
         let first = rising.slots.len();
         let mut carried = FixedBitSet::new();
         for (slot, body) in table.active().filter(|(_, body)| !body.is_dynamic()) {
-            let is_new = body.moved || body.renewed;
+            // A body that does not move is disturbed if the hook of its contacts was replaced.
+            let is_new = body.moved || body.renewed || body.disturbed;
             let moves = body.velocity != Velocity::default();
             if !is_new && !moves {
                 continue;
             }
-            for above in graph.neighbours(slot) {
+            // A new hook may let bodies touch that overlapped before.
+            let edges = graph.edges_at(slot);
+            let edges = edges.filter(|(_, links)| *links || body.disturbed);
+            for (link, _) in edges {
+                let above = link.other(slot);
                 // A body that is added together with its ground may stay asleep on it.
                 let together = |above: &BodyState| body.arrived && above.arrived;
                 if moves || !table.get(above).is_some_and(together) {

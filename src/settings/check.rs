@@ -5,6 +5,7 @@ use super::{
     StabilizationSettings, Waking,
 };
 use crate::body::limits;
+use crate::contact::ContactHooks;
 use crate::diagnosis::StepError;
 use bevy_ecs::prelude::*;
 
@@ -19,10 +20,15 @@ pub struct ActiveSettings {
     solver: SolverSettings,
     sleeping: SleepSettings,
     speeds: SpeedLimits,
+    /// The hook of the last step. Code cannot be saved, so it is not known in the first step after loading.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    hooks: Option<Option<ContactHooks>>,
     steps: u64,
     changes: u64,
     /// Whether some settings differ from those of the step before. Sleeping bodies are woken then.
     pub changed: bool,
+    /// Whether [`ContactHooks`] was replaced, inserted or removed since the step before. Sleeping bodies whose contacts it decides about are woken then.
+    pub(crate) hooks_changed: bool,
 }
 
 impl ActiveSettings {
@@ -44,6 +50,7 @@ trait Checked: Resource + Clone {
 
 /// Sets back settings that are invalid or were removed, and notes whether any have changed.
 pub(crate) fn check(world: &mut World) {
+    look_at_hooks(world);
     let last = world.resource::<ActiveSettings>();
     let is_same = is_same(world, &last.gravity)
         && is_same(world, &last.stabilization)
@@ -71,6 +78,22 @@ pub(crate) fn check(world: &mut World) {
     last.steps += 1;
     last.changes += u64::from(last.changed);
     world.insert_resource(last);
+}
+
+/// Notes whether the hook of contacts is another one than in the last step.
+fn look_at_hooks(world: &mut World) {
+    let now = world.get_resource::<ContactHooks>().cloned();
+    let mut last = world.resource_mut::<ActiveSettings>();
+    let is_same = |last: &Option<ContactHooks>| match (last, &now) {
+        (Some(last), Some(now)) => last.is_same(now),
+        (last, now) => last.is_none() && now.is_none(),
+    };
+    let changed = last.hooks.as_ref().is_some_and(|last| !is_same(last));
+    if changed || last.hooks.is_none() {
+        last.hooks = Some(now);
+    }
+    last.hooks_changed = changed;
+    last.changes += u64::from(changed);
 }
 
 /// Returns true if a resource is valid and has not changed.

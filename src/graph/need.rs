@@ -12,6 +12,8 @@
 //! - a body near it has lost a contact whose force mattered. All that rests on that body wakes in the same step, so that it falls together;
 //!   and so do the bodies below that will feel the change. It is handed down as the load is: to each support in proportion to its force.
 //!
+//! Changes below that share are [followed](reserve) to see whether anything resists them.
+//!
 //! The idea to solve only near a disturbance, and to watch the forces of what is at rest beside it, is that of Coevoet, Benchekroun and Kry,
 //! *Adaptive Merging for Rigid Body Simulation*, ACM Transactions on Graphics 39(4), 2020.
 
@@ -21,6 +23,7 @@ use super::edges::{EdgeKind, Link};
 use super::forces::Forces;
 use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, ExternalImpulse, Sleeping};
+use crate::joint::JointEdge;
 use crate::solver::Both;
 use crate::solver::sort;
 use bevy_ecs::prelude::*;
@@ -43,12 +46,15 @@ pub(super) struct Need<'a, 'w, 's> {
     pub table: &'a BodyTable,
     pub forces: &'a Forces<'w, 's>,
     pub sleepers: &'a Sleepers<'w, 's>,
+    pub joints: &'a Query<'w, 's, &'static JointEdge>,
     /// A body counts as still below this speed, m/s.
     pub speed: f32,
     /// m/s².
     pub gravity: Vec3,
     /// Length of the step, s.
     pub dt: f32,
+    /// How often small changes are followed, s.
+    pub interval: f32,
 }
 
 impl Need<'_, '_, '_> {
@@ -68,18 +74,32 @@ impl Need<'_, '_, '_> {
     }
 
     /// Wakes what feels that a contact of a body has ended, if the force of that contact mattered: all that rests on the body, and what bears it.
-    pub fn wake_bereft(&self, slot: u32, share: f32, accounts: &Accounts, rising: &mut Rising) {
-        let Some(body) = self.table.get(slot).filter(|body| body.is_dynamic()) else {
-            return;
-        };
+    /// If the body goes on sleeping, returns the forces on it now and when it fell asleep.
+    pub fn wake_bereft(
+        &self,
+        slot: u32,
+        share: f32,
+        accounts: &Accounts,
+        rising: &mut Rising,
+    ) -> Option<[Wrench; 2]> {
+        let body = self.table.get(slot).filter(|body| body.is_dynamic())?;
         let now = self.wrench(slot);
         let then = accounts.get(slot);
         let then = then.unwrap_or_else(|| self.equilibrium(body, &now));
         let change = self.change(body, &now, &then);
-        if body.is_awake() || change <= share * self.pressure(body, &then) {
-            return;
+        if body.is_awake() {
+            return None;
+        }
+        if change <= share * self.pressure(body, &then) {
+            return Some([now, then]);
         }
         self.wake_supports(slot, change, share, rising);
+        self.wake_resting(slot, share, rising);
+        None
+    }
+
+    /// Wakes all that rests on a body.
+    fn wake_resting(&self, slot: u32, share: f32, rising: &mut Rising) {
         let up = -self.gravity.normalize_or_zero();
         let mut found = Rising::default();
         let mut next = SmallVec::<[u32; 32]>::from_slice(&[slot]);
@@ -290,7 +310,7 @@ impl Need<'_, '_, '_> {
     }
 
     /// The forces of all contacts on a body.
-    fn wrench(&self, slot: u32) -> Wrench {
+    pub fn wrench(&self, slot: u32) -> Wrench {
         let mut sum = Wrench::default();
         let each = self.forces.each(slot, self.graph);
         each.iter().for_each(|(_, wrench)| sum.add(wrench));
@@ -298,5 +318,6 @@ impl Need<'_, '_, '_> {
     }
 }
 
+mod reserve;
 #[cfg(test)]
 mod tests;

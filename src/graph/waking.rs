@@ -48,10 +48,19 @@ impl Islands {
                 for i in 0..own {
                     need.wake_pushed(rising.slots[i], &mut rising);
                 }
+                let mut small = Vec::new();
                 for &slot in &self.parted {
-                    need.wake_bereft(slot, share, &self.accounts, &mut rising);
+                    let forces = need.wake_bereft(slot, share, &self.accounts, &mut rising);
+                    small.extend(forces.map(|[now, then]| (slot, now, then)));
                 }
                 need.wake_touched(&self.boundary, share, &mut self.accounts, &mut rising);
+                self.unfollowed += need.dt;
+                if self.unfollowed >= need.interval && !self.boundary.is_empty() {
+                    self.unfollowed = 0.0;
+                    let accounts = self.accounts.all().into_iter();
+                    small.extend(accounts.map(|(slot, then)| (slot, need.wrench(slot), then)));
+                }
+                need.wake_unsteady(&small, share, &mut rising);
                 rising.flood(world, 0, |link| link.kind == EdgeKind::Joint);
                 need.open(&rising, &mut self.accounts);
             }

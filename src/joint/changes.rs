@@ -175,14 +175,15 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
         report(world, joint, problem);
         return;
     }
+    let breaks = world.get::<BreakForce>(joint).copied();
     if let Some(mut known) = world.get_mut::<JointEdge>(joint) {
         let is_same = known.slots == slots
             && known.spawn_orders == spawn_orders
             && known.definition.bodies == definition.bodies
             && known.definition.collision == definition.collision;
         if is_same {
-            if known.definition != definition {
-                known.definition = definition;
+            if known.definition != definition || known.breaks != breaks {
+                (known.definition, known.breaks) = (definition, breaks);
                 wake(&mut world.resource_mut::<BodyTable>(), slots);
             }
             return;
@@ -215,6 +216,7 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
         spawn_orders,
         order,
         definition,
+        breaks,
     });
     if !joint.contains::<JointForces>() {
         joint.insert(JointForces::default());

@@ -1,0 +1,288 @@
+//! Small changes that nothing resists.
+//!
+//! A feather tips a seesaw however heavy it is: its hinge resists nothing. So the changes that are too small to wake a body by themselves are followed
+//! down to the ground every now and then, as far as they are more than a ten-thousandth of what presses on a body. Each sleeping body passes its change on to
+//! what holds it up. Each contact point takes a part of it in proportion to its *reserve*: to its normal force, and to what friction can still bear.
+//! These parts balance the change, and are the smallest ones by least squares. A body wakes with all that rests on it if a part takes more than half of
+//! some reserve, if nothing balances the change, or if a joint that can move holds the body: it may be at its limit, and awake it shows whether it is.
+//!
+//! With reserves as weights the first point to be unloaded is that about which statics tips the body, if it stands on two rows of points. If it stands on
+//! more, a point may be unloaded before the body tips; then it wakes, stands, and sleeps again.
+
+use super::{Need, Rising};
+use crate::body::BodyState;
+use crate::contact::{ContactImpulses, ContactPair, Manifold};
+use crate::graph::account::Wrench;
+use crate::graph::edges::{EdgeKind, Link};
+use crate::solver::sort;
+use bevy_platform::collections::HashMap;
+use glam::Vec3;
+use smallvec::SmallVec;
+
+/// Share of what presses on a body below which a change does not count.
+const NOTHING: f32 = 1e-4;
+
+/// Share of a reserve that may be taken.
+const TAKEN: f32 = 0.5;
+
+/// A change is followed over at most this many bodies down. Bodies that it has not left by then wake.
+const DEPTH: usize = 256;
+
+/// A force or moment that can balance a change: a unit of it on the body, with the reserve, N.
+struct Row {
+    force: Vec3,
+    /// About the centre of mass, divided by the radius of the body.
+    moment: Vec3,
+    reserve: f32,
+    /// A contact can press more, but not less than nothing.
+    is_normal: bool,
+    /// The slot of the body that takes the opposite, and the arm there, m.
+    by: (u32, Vec3),
+}
+
+/// A force, N, and a moment about the centre of mass, N·m.
+#[derive(Clone, Copy, Debug, Default)]
+struct Change {
+    force: Vec3,
+    moment: Vec3,
+}
+
+impl Change {
+    fn add(&mut self, other: &Self) {
+        self.force += other.force;
+        self.moment += other.moment;
+    }
+
+    /// N.
+    fn size(&self, radius: f32) -> f32 {
+        self.force.length() + self.moment.length() / radius
+    }
+}
+
+impl Need<'_, '_, '_> {
+    /// Follows changes of the forces on sleeping bodies, and wakes those that may not bear them.
+    pub fn wake_unsteady(
+        &self,
+        changes: &[(u32, Wrench, Wrench)],
+        share: f32,
+        rising: &mut Rising,
+    ) {
+        let up = -self.gravity.normalize_or_zero();
+        let mut totals: HashMap<u32, Change> = HashMap::default();
+        let changes = changes.iter().map(|(slot, now, then)| {
+            let change = Change {
+                force: now.force - then.force,
+                moment: now.moment - then.moment,
+            };
+            (*slot, change)
+        });
+        let mut level: Vec<(u32, Change)> = changes.collect();
+        for depth in 0.. {
+            // Two bodies may have a support in common. The order must not depend on the history of the graph.
+            sort::by_key(&mut level, |&(slot, _)| slot);
+            level.dedup_by(|one, before| {
+                let is_same = one.0 == before.0;
+                if is_same {
+                    before.1.add(&one.1);
+                }
+                is_same
+            });
+            let mut below = Vec::new();
+            for (slot, change) in level {
+                let sleeps = |body: &&BodyState| body.is_dynamic() && body.asleep;
+                let Some(body) = self.table.get(slot).filter(sleeps) else {
+                    continue;
+                };
+                let total = totals.entry(slot).or_default();
+                total.add(&change);
+                let pressure = self.pressure(body, &self.wrench(slot));
+                if rising.contains(slot) || total.size(body.radius) <= NOTHING * pressure {
+                    continue;
+                }
+                let bears = depth < DEPTH
+                    && self.pass_on((slot, body), pressure, up, [total, &change], &mut below);
+                if !bears {
+                    rising.add(self.table, slot);
+                    self.wake_resting(slot, share, rising);
+                }
+            }
+            if below.is_empty() {
+                break;
+            }
+            level = below;
+        }
+    }
+
+    /// Passes the last part of a change on to the bodies that hold a body up. Returns false if these may not bear all of it.
+    fn pass_on(
+        &self,
+        (slot, body): (u32, &BodyState),
+        pressure: f32,
+        up: Vec3,
+        [total, last]: [&Change; 2],
+        below: &mut Vec<(u32, Change)>,
+    ) -> bool {
+        let mut rows = SmallVec::<[Row; 32]>::new();
+        for link in self.graph.links_of(slot) {
+            match link.kind {
+                EdgeKind::Contact => self.add_rows(&link, (slot, body), up, &mut rows),
+                // Mortar bears it.
+                EdgeKind::Joint if self.is_bond(&link) => return true,
+                EdgeKind::Joint => return false,
+            }
+        }
+        let balance = |change: &Change| {
+            let of = [change.force, change.moment / body.radius].map(|part| -part);
+            solve(&rows, NOTHING * pressure, of)
+        };
+        let [force, moment] = balance(total);
+        if force.length_squared() + moment.length_squared() > 1.0 {
+            return false;
+        }
+        let is_taken = |row: &Row| {
+            let share = row.force.dot(force) + row.moment.dot(moment);
+            share < -TAKEN || !row.is_normal && share > TAKEN
+        };
+        if rows.iter().any(is_taken) {
+            return false;
+        }
+        let [force, moment] = balance(last);
+        for row in &rows {
+            let (other, arm) = row.by;
+            let taken = row.reserve * (row.force.dot(force) + row.moment.dot(moment));
+            let force = -taken * row.force;
+            let passed = Change {
+                force,
+                moment: arm.cross(force),
+            };
+            match below.last_mut().filter(|(slot, _)| *slot == other) {
+                Some((_, known)) => known.add(&passed),
+                None => below.push((other, passed)),
+            }
+        }
+        true
+    }
+
+    /// Adds what can balance a change at a contact, if that holds the body up.
+    fn add_rows(
+        &self,
+        link: &Link,
+        (slot, body): (u32, &BodyState),
+        up: Vec3,
+        rows: &mut SmallVec<[Row; 32]>,
+    ) {
+        let other = link.other(slot);
+        // What awake bodies do is in the change already.
+        if self.table.get(other).is_none_or(BodyState::is_awake) {
+            return;
+        }
+        let Some(contact) = self.forces.contact(link) else {
+            return;
+        };
+        let mut wrench = Wrench::default();
+        wrench.add_contact(slot, contact);
+        if wrench.force.dot(up) <= 0.0 {
+            return;
+        }
+        let (pair, manifold, impulses) = contact;
+        let is_a = pair.slots[0] == slot;
+        for (patch, range) in manifold
+            .patches_with_points()
+            .map(|(i, _, range)| (i, range))
+        {
+            let normal = manifold.patches[patch].normal;
+            let slack = slack(contact, patch, range.clone());
+            let tangents = [normal.any_orthonormal_vector(), Vec3::ZERO];
+            let tangents = [tangents[0], normal.cross(tangents[0])];
+            for i in range {
+                let Some(point) = impulses.points.get(i).filter(|of| of.normal_force > 0.0) else {
+                    continue;
+                };
+                let [at_a, at_b] = manifold.arms(i);
+                let (arm, by) = if is_a { (at_a, at_b) } else { (at_b, at_a) };
+                let mut add = |force: Vec3, reserve: f32, is_normal| {
+                    rows.push(Row {
+                        force,
+                        moment: arm.cross(force) / body.radius,
+                        reserve,
+                        is_normal,
+                        by: (other, by),
+                    });
+                };
+                add(
+                    if is_a { normal } else { -normal },
+                    point.normal_force,
+                    true,
+                );
+                for tangent in tangents {
+                    add(tangent, slack * point.normal_force, false);
+                }
+            }
+        }
+    }
+
+    fn is_bond(&self, link: &Link) -> bool {
+        let joint = self.joints.get(link.pair);
+        joint.is_ok_and(|joint| joint.definition.section.is_some())
+    }
+}
+
+/// What friction of a patch can still bear, as a share of the normal force.
+fn slack(
+    (pair, _, impulses): (&ContactPair, &Manifold, &ContactImpulses),
+    patch: usize,
+    range: std::ops::Range<usize>,
+) -> f32 {
+    let points = impulses.points.get(range.clone()).unwrap_or_default();
+    let pressed: f32 = points.iter().map(|point| point.normal_force).sum();
+    let points = impulses.friction.get(range).unwrap_or_default();
+    let mut borne: Vec3 = points.iter().map(|point| point.friction_force).sum();
+    borne += impulses
+        .patches
+        .get(patch)
+        .map_or(Vec3::ZERO, |of| of.friction_force);
+    (pair.friction - borne.length() / pressed.max(f32::MIN_POSITIVE)).max(0.0)
+}
+
+/// The smallest shares of their reserves, by least squares, with which rows give a body a force and a moment, N: those of a row are its force and its moment
+/// times the two vectors that are returned. What nothing else balances is left to a reserve of `least` in all directions, N.
+fn solve(rows: &[Row], least: f32, [force, moment]: [Vec3; 2]) -> [Vec3; 2] {
+    let mut a = [[0.0_f32; 7]; 6];
+    for row in rows {
+        let of: [f32; 6] = std::array::from_fn(|i| {
+            if i < 3 {
+                row.force[i]
+            } else {
+                row.moment[i - 3]
+            }
+        });
+        for i in 0..6 {
+            let weighted = row.reserve * of[i];
+            for j in i..6 {
+                a[i][j] += weighted * of[j];
+            }
+        }
+    }
+    for i in 0..6 {
+        for j in 0..i {
+            a[i][j] = a[j][i];
+        }
+        a[i][i] += least.max(f32::MIN_POSITIVE);
+        a[i][6] = if i < 3 { force[i] } else { moment[i - 3] };
+    }
+    // Without pivoting, which a positive definite matrix does not need.
+    for i in 0..6 {
+        for k in i + 1..6 {
+            let factor = a[k][i] / a[i][i];
+            for j in i..7 {
+                a[k][j] -= factor * a[i][j];
+            }
+        }
+    }
+    let mut x = [0.0_f32; 6];
+    for i in (0..6).rev() {
+        let known: f32 = (i + 1..6).map(|j| a[i][j] * x[j]).sum();
+        x[i] = (a[i][6] - known) / a[i][i];
+    }
+    [Vec3::new(x[0], x[1], x[2]), Vec3::new(x[3], x[4], x[5])]
+}

@@ -22,7 +22,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// | of | what |
 /// |---|---|
 /// | the body, its place and motion | `RigidBody`, `Transform`, `Pose`, `Velocity`, `ChildOf`, `Sleeping`, `SpawnOrder` |
-/// | forces | `ExternalForce`, `ExternalImpulse`, `Damping`, `GravityScale`, `Grab`, `Hand` |
+/// | forces | `ExternalForce`, `ExternalImpulse`, `Damping` (if there is less), `GravityScale`, `Grab`, `Hand` |
 /// | its shape | `Collider`, `ColliderOf` and `CompoundCollider` (colliders on children), `ColliderDisabled`, `Sensor` |
 /// | its mass | `Density`, `Mass`, `AngularInertia`, `CenterOfMass` |
 /// | its surface, and what it collides with | `Friction`, `Restitution`, `RollingFriction`, `SurfaceVelocity`, `CollisionLayers`, `CollisionExceptions`, `ActiveContactHooks`, the resource `ContactHooks` |

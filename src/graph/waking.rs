@@ -54,7 +54,11 @@ impl Islands {
                     small.extend(forces.map(|[now, then]| (slot, now, then)));
                 }
                 need.wake_touched(&self.boundary, share, &mut self.accounts, &mut rising);
-                self.unfollowed += need.dt;
+                // From the first touch on, so that copies of the bodies do the same at another time.
+                self.unfollowed = match self.boundary.is_empty() {
+                    true => 0.0,
+                    false => self.unfollowed + need.dt,
+                };
                 if self.unfollowed >= need.interval && !self.boundary.is_empty() {
                     self.unfollowed = 0.0;
                     let accounts = self.accounts.all().into_iter();

@@ -56,7 +56,7 @@ impl Clone for Drifts {
 /// What was seen of a body.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Drift {
+pub(crate) struct Drift {
     /// Its pose at the last look. The first one is at the end of the first step in which it was still.
     pose: Pose,
     /// For how long it had been still at the last look, s.
@@ -141,6 +141,20 @@ impl Drifts {
             true => Drifting::Goes,
             false => Drifting::Creeps,
         }
+    }
+
+    pub fn text(&self, slot: u32) -> String {
+        self.0.get(&slot).map_or(String::new(), |d| {
+            format!("{:?}", d.speeds.map(|v| (v * 1e6).round() as i32))
+        })
+    }
+
+    pub fn get(&self, slot: u32) -> Option<Drift> {
+        self.0.get(&slot).copied()
+    }
+
+    pub fn set(&mut self, slot: u32, drift: Drift) {
+        self.0.insert(slot, drift);
     }
 
     /// Forgets a body that sleeps, wakes or is removed.

@@ -44,6 +44,7 @@ mod waking;
 
 pub(crate) use account::Wrench;
 pub use activation::{activate, any_disturbed};
+pub(crate) use drift::Drift;
 pub use edges::ConstraintGraph;
 pub(crate) use edges::{EdgeKind, WORLD};
 pub use islands::{Islands, activation, islands};

@@ -74,28 +74,19 @@ impl Need<'_, '_, '_> {
     }
 
     /// Wakes what feels that a contact of a body has ended, if the force of that contact mattered: all that rests on the body, and what bears it.
-    /// If the body goes on sleeping, returns the forces on it now and when it fell asleep.
-    pub fn wake_bereft(
-        &self,
-        slot: u32,
-        share: f32,
-        accounts: &Accounts,
-        rising: &mut Rising,
-    ) -> Option<[Wrench; 2]> {
-        let body = self.table.get(slot).filter(|body| body.is_dynamic())?;
+    pub fn wake_bereft(&self, slot: u32, share: f32, accounts: &Accounts, rising: &mut Rising) {
+        let Some(body) = self.table.get(slot).filter(|body| body.is_dynamic()) else {
+            return;
+        };
         let now = self.wrench(slot);
         let then = accounts.get(slot);
         let then = then.unwrap_or_else(|| self.equilibrium(body, &now));
         let change = self.change(body, &now, &then);
-        if body.is_awake() {
-            return None;
-        }
-        if change <= share * self.pressure(body, &then) {
-            return Some([now, then]);
+        if body.is_awake() || change <= share * self.pressure(body, &then) {
+            return;
         }
         self.wake_supports(slot, change, share, rising);
         self.wake_resting(slot, share, rising);
-        None
     }
 
     /// Wakes all that rests on a body.
@@ -310,7 +301,7 @@ impl Need<'_, '_, '_> {
     }
 
     /// The forces of all contacts on a body.
-    pub fn wrench(&self, slot: u32) -> Wrench {
+    fn wrench(&self, slot: u32) -> Wrench {
         let mut sum = Wrench::default();
         let each = self.forces.each(slot, self.graph);
         each.iter().for_each(|(_, wrench)| sum.add(wrench));

@@ -10,6 +10,7 @@
 
 use super::ConstraintGraph;
 use super::account::Wrench;
+use super::drift::Drift;
 use super::edges::EdgeKind;
 use super::islands::{Islands, is_among};
 use super::need::{Need, Sleepers};
@@ -48,10 +49,8 @@ impl Islands {
                 for i in 0..own {
                     need.wake_pushed(rising.slots[i], &mut rising);
                 }
-                let mut small = Vec::new();
                 for &slot in &self.parted {
-                    let forces = need.wake_bereft(slot, share, &self.accounts, &mut rising);
-                    small.extend(forces.map(|[now, then]| (slot, now, then)));
+                    need.wake_bereft(slot, share, &self.accounts, &mut rising);
                 }
                 need.wake_touched(&self.boundary, share, &mut self.accounts, &mut rising);
                 // From the first touch on, so that copies of the bodies do the same at another time.
@@ -61,10 +60,8 @@ impl Islands {
                 };
                 if self.unfollowed >= need.interval && !self.boundary.is_empty() {
                     self.unfollowed = 0.0;
-                    let accounts = self.accounts.all().into_iter();
-                    small.extend(accounts.map(|(slot, then)| (slot, need.wrench(slot), then)));
+                    need.wake_unsteady(&self.accounts.all(), share, &mut rising);
                 }
-                need.wake_unsteady(&small, share, &mut rising);
                 rising.flood(world, 0, |link| link.kind == EdgeKind::Joint);
                 need.open(&rising, &mut self.accounts);
             }
@@ -130,6 +127,16 @@ impl Islands {
     /// Opens the account of a sleeping body that is the copy of another.
     pub(crate) fn open_account(&mut self, slot: u32, forces: Wrench) {
         self.accounts.open(slot, forces);
+    }
+
+    /// What was seen of a body that is still, if it is.
+    pub(crate) fn drift(&self, slot: u32) -> Option<Drift> {
+        self.drifts.get(slot)
+    }
+
+    /// Takes over what was seen of a body that is the original of another.
+    pub(crate) fn set_drift(&mut self, slot: u32, drift: Drift) {
+        self.drifts.set(slot, drift);
     }
 
     /// Opens the accounts of the sleeping bodies of a scene that was loaded in this step.

@@ -60,26 +60,23 @@ impl Change {
 }
 
 impl Need<'_, '_, '_> {
-    /// Follows changes of the forces on sleeping bodies, and wakes those that may not bear them.
-    pub fn wake_unsteady(
-        &self,
-        changes: &[(u32, Wrench, Wrench)],
-        share: f32,
-        rising: &mut Rising,
-    ) {
+    /// Follows how the forces on sleeping bodies have changed since their accounts were opened, and wakes the bodies that may not bear it.
+    pub fn wake_unsteady(&self, accounts: &[(u32, Wrench)], share: f32, rising: &mut Rising) {
         let up = -self.gravity.normalize_or_zero();
         let mut totals: HashMap<u32, Change> = HashMap::default();
-        let changes = changes.iter().map(|(slot, now, then)| {
+        let changes = accounts.iter().map(|&(slot, then)| {
+            let now = self.wrench(slot);
             let change = Change {
                 force: now.force - then.force,
                 moment: now.moment - then.moment,
             };
-            (*slot, change)
+            (slot, change)
         });
         let mut level: Vec<(u32, Change)> = changes.collect();
         for depth in 0.. {
-            // Two bodies may have a support in common. The order must not depend on the history of the graph.
-            sort::by_key(&mut level, |&(slot, _)| slot);
+            // Two bodies may have a support in common. The order of the sums must not depend on history, as that of slots does.
+            let order = |slot| self.table.get(slot).map(|body| body.spawn_order);
+            sort::by_key(&mut level, |&(slot, _)| order(slot));
             level.dedup_by(|one, before| {
                 let is_same = one.0 == before.0;
                 if is_same {
@@ -122,14 +119,21 @@ impl Need<'_, '_, '_> {
         [total, last]: [&Change; 2],
         below: &mut Vec<(u32, Change)>,
     ) -> bool {
+        let mut links: SmallVec<[Link; 16]> = self.graph.links_of(slot).collect();
+        let mut joints = links.iter().filter(|link| link.kind == EdgeKind::Joint);
+        if joints.clone().next().is_some() {
+            // Mortar bears it; other joints may not.
+            return joints.all(|joint| self.is_bond(joint));
+        }
+        let order = |link: &Link| {
+            self.table
+                .get(link.other(slot))
+                .map(|body| body.spawn_order)
+        };
+        sort::by_key(&mut links, order);
         let mut rows = SmallVec::<[Row; 32]>::new();
-        for link in self.graph.links_of(slot) {
-            match link.kind {
-                EdgeKind::Contact => self.add_rows(&link, (slot, body), up, &mut rows),
-                // Mortar bears it.
-                EdgeKind::Joint if self.is_bond(&link) => return true,
-                EdgeKind::Joint => return false,
-            }
+        for link in &links {
+            self.add_rows(link, (slot, body), up, &mut rows);
         }
         let balance = |change: &Change| {
             let of = [change.force, change.moment / body.radius].map(|part| -part);

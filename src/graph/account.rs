@@ -1,7 +1,6 @@
 //! Accounts of sleeping bodies: the forces with which they fell asleep.
 
 use crate::contact::{ContactImpulses, ContactPair, Manifold};
-use crate::solver::sort;
 use bevy_platform::collections::HashMap;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -37,17 +36,6 @@ impl Accounts {
     /// The forces with which a body fell asleep. Its account is opened with these forces if it is not open.
     pub fn get_or_open(&mut self, slot: u32, forces: impl FnOnce() -> Wrench) -> Wrench {
         *self.0.entry(slot).or_insert_with(forces)
-    }
-
-    /// All open accounts, in the order of the slots.
-    pub fn all(&self) -> Vec<(u32, Wrench)> {
-        let mut all: Vec<_> = self
-            .0
-            .iter()
-            .map(|(&slot, &forces)| (slot, forces))
-            .collect();
-        sort::by_key(&mut all, |&(slot, _)| slot);
-        all
     }
 
     /// Opens an account.

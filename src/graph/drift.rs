@@ -121,8 +121,11 @@ impl Drifts {
             };
         }
         let grows = a > b && b > c && c > d && a > GROWTH * d;
-        if grows && a > SLOWEST * slow {
+        if grows && a > slow {
             return Drifting::Goes;
+        }
+        if grows && a > SLOWEST * slow {
+            return Drifting::Creeps;
         }
         if a + b <= 2.0 * slow || a + b + c + d <= 4.0 * slow {
             return Drifting::Rests;
@@ -135,18 +138,12 @@ impl Drifts {
             return Drifting::Rests;
         }
         let jumps = a > b && b > c && a > JUMP * c;
-        // What it came to rest from has ended, and something else goes on.
-        let turns = a > 0.9 * b && b < c && c < d && 2.0 * b < d;
+        // A faster motion has ended, and something else goes on.
+        let turns = a > 0.9 * b && b < c && c < d && c > slow && d > f32::max(2.0 * b, 4.0 * slow);
         match jumps || turns {
             true => Drifting::Goes,
             false => Drifting::Creeps,
         }
-    }
-
-    pub fn text(&self, slot: u32) -> String {
-        self.0.get(&slot).map_or(String::new(), |d| {
-            format!("{:?}", d.speeds.map(|v| (v * 1e6).round() as i32))
-        })
     }
 
     pub fn get(&self, slot: u32) -> Option<Drift> {

@@ -74,21 +74,6 @@ pub fn sleeping(
                 holding.holds(slot, state) && !*driven[island].get_or_insert_with(is_driven)
             }
         };
-        if !rests && std::env::var("SLEEP_LOG").is_ok() {
-            eprintln!(
-                "XX {:?} {:.3} n{} {:?} {} {:?} held {} driven {:?}",
-                body.entity,
-                body.sleeping.still_for,
-                islands.members_of_id(islands.numbered()[island]).len(),
-                islands
-                    .drifts
-                    .of(slot, settings.linear_speed, settings.delay),
-                islands.drifts.text(slot),
-                time.dt,
-                holding.holds(slot, state),
-                driven[island]
-            );
-        }
         restless[island] = !rests;
     }
     for mut body in &mut bodies {

@@ -60,7 +60,7 @@ impl Islands {
                 };
                 if self.unfollowed >= need.interval && !self.boundary.is_empty() {
                     self.unfollowed = 0.0;
-                    need.wake_unsteady(&self.accounts.all(), share, &mut rising);
+                    need.wake_unsteady(&self.boundary, &self.accounts, share, &mut rising);
                 }
                 rising.flood(world, 0, |link| link.kind == EdgeKind::Joint);
                 need.open(&rising, &mut self.accounts);
@@ -77,14 +77,15 @@ impl Islands {
         let mut carried = FixedBitSet::new();
         for (slot, body) in table.active().filter(|(_, body)| !body.is_dynamic()) {
             // A body that does not move is disturbed if the hook of its contacts was replaced.
-            let is_new = body.moved || body.renewed || body.disturbed;
+            let is_hooked = body.disturbed && body.properties.hooks.asks();
+            let is_new = body.moved || body.renewed || is_hooked;
             let moves = body.velocity != Velocity::default();
             if !is_new && !moves {
                 continue;
             }
             // A new hook may let bodies touch that overlapped before.
             let edges = graph.edges_at(slot);
-            let edges = edges.filter(|(_, links)| *links || body.disturbed);
+            let edges = edges.filter(|(_, links)| *links || is_hooked);
             for (link, _) in edges {
                 let above = link.other(slot);
                 // A body that is added together with its ground may stay asleep on it.

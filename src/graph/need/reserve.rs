@@ -1,7 +1,7 @@
 //! Small changes that nothing resists.
 //!
 //! A feather tips a seesaw however heavy it is: its hinge resists nothing. So the changes that are too small to wake a body by themselves are followed
-//! down to the ground every now and then, as far as they are more than a ten-thousandth of what presses on a body. Each sleeping body passes its change on to
+//! down to the ground every now and then, as far as they are more than half a percent of what presses on a body. Each sleeping body passes its change on to
 //! what holds it up. Each contact point takes a part of it in proportion to its *reserve*: to its normal force, and to what friction can still bear.
 //! These parts balance the change, and are the smallest ones by least squares. A body wakes with all that rests on it if a part takes more than half of
 //! some reserve, if nothing balances the change, or if a joint that can move holds the body: it may be at its limit, and awake it shows whether it is.
@@ -12,18 +12,27 @@
 use super::{Need, Rising};
 use crate::body::BodyState;
 use crate::contact::{ContactImpulses, ContactPair, Manifold};
-use crate::graph::account::Wrench;
+use crate::graph::account::{Accounts, Wrench};
 use crate::graph::edges::{EdgeKind, Link};
 use crate::solver::sort;
 use bevy_platform::collections::HashMap;
 use glam::Vec3;
 use smallvec::SmallVec;
 
-/// Share of what presses on a body below which a change does not count.
+/// Share of what presses on a body that a joint holds below which a change does not count.
 const NOTHING: f32 = 1e-4;
+
+/// The same for a body that an awake one touches.
+const TOUCHED: f32 = 5e-4;
+
+/// The same for other bodies: further down more presses on each body, and more bodies share the change.
+const PASSED: f32 = 5e-3;
 
 /// Share of a reserve that may be taken.
 const TAKEN: f32 = 0.5;
+
+/// A reserve below this share of what presses on a body may be used up: others remain.
+const LITTLE: f32 = 2e-3;
 
 /// A change is followed over at most this many bodies down. Bodies that it has not left by then wake.
 const DEPTH: usize = 256;
@@ -59,20 +68,33 @@ impl Change {
     }
 }
 
+/// How the forces on a body have changed.
+struct Followed {
+    total: Change,
+    /// What has not been passed on yet.
+    rest: Change,
+    /// What presses on the body, N.
+    pressure: f32,
+    /// The share of that below which the rest does not count.
+    least: f32,
+}
+
 impl Need<'_, '_, '_> {
-    /// Follows how the forces on sleeping bodies have changed since their accounts were opened, and wakes the bodies that may not bear it.
-    pub fn wake_unsteady(&self, accounts: &[(u32, Wrench)], share: f32, rising: &mut Rising) {
+    /// Follows how the forces on sleeping bodies beside awake ones have changed since their accounts were opened, and wakes the bodies that may not
+    /// bear it.
+    pub fn wake_unsteady(
+        &self,
+        boundary: &[u32],
+        accounts: &Accounts,
+        share: f32,
+        rising: &mut Rising,
+    ) {
         let up = -self.gravity.normalize_or_zero();
-        let mut totals: HashMap<u32, Change> = HashMap::default();
-        let changes = accounts.iter().map(|&(slot, then)| {
-            let now = self.wrench(slot);
-            let change = Change {
-                force: now.force - then.force,
-                moment: now.moment - then.moment,
-            };
-            (slot, change)
-        });
-        let mut level: Vec<(u32, Change)> = changes.collect();
+        let mut found: HashMap<u32, Followed> = HashMap::default();
+        let mut level: Vec<(u32, Change)> = boundary
+            .iter()
+            .map(|&slot| (slot, Change::default()))
+            .collect();
         for depth in 0.. {
             // Two bodies may have a support in common. The order of the sums must not depend on history, as that of slots does.
             let order = |slot| self.table.get(slot).map(|body| body.spawn_order);
@@ -90,15 +112,42 @@ impl Need<'_, '_, '_> {
                 let Some(body) = self.table.get(slot).filter(sleeps) else {
                     continue;
                 };
-                let total = totals.entry(slot).or_default();
-                total.add(&change);
-                let pressure = self.pressure(body, &self.wrench(slot));
-                if rising.contains(slot) || total.size(body.radius) <= NOTHING * pressure {
+                if rising.contains(slot) {
                     continue;
                 }
-                let bears = depth < DEPTH
-                    && self.pass_on((slot, body), pressure, up, [total, &change], &mut below);
-                if !bears {
+                let of = found.entry(slot).or_insert_with(|| {
+                    let now = self.wrench(slot);
+                    let own = accounts
+                        .get(slot)
+                        .map_or_else(Change::default, |then| Change {
+                            force: now.force - then.force,
+                            moment: now.moment - then.moment,
+                        });
+                    let at_boundary = depth == 0;
+                    Followed {
+                        total: own,
+                        // What other bodies have done was passed on then.
+                        rest: if at_boundary { own } else { Change::default() },
+                        pressure: self.pressure(body, &now),
+                        least: match (self.is_jointed(slot), at_boundary) {
+                            (true, _) => NOTHING,
+                            (false, true) => TOUCHED,
+                            (false, false) => PASSED,
+                        },
+                    }
+                });
+                of.total.add(&change);
+                of.rest.add(&change);
+                if of.rest.size(body.radius) <= of.least * of.pressure {
+                    continue;
+                }
+                let last = std::mem::take(&mut of.rest);
+                let parts = [&of.total, &last];
+                if self.stands_on_awake(slot, up) {
+                    rising.add(self.table, slot);
+                } else if depth == DEPTH
+                    || !self.pass_on((slot, body), of.pressure, up, parts, &mut below)
+                {
                     rising.add(self.table, slot);
                     self.wake_resting(slot, share, rising);
                 }
@@ -108,6 +157,13 @@ impl Need<'_, '_, '_> {
             }
             level = below;
         }
+    }
+
+    fn is_jointed(&self, slot: u32) -> bool {
+        self.graph
+            .edges_of_kind(slot, EdgeKind::Joint)
+            .next()
+            .is_some()
     }
 
     /// Passes the last part of a change on to the bodies that hold a body up. Returns false if these may not bear all of it.
@@ -145,7 +201,8 @@ impl Need<'_, '_, '_> {
         }
         let is_taken = |row: &Row| {
             let share = row.force.dot(force) + row.moment.dot(moment);
-            share < -TAKEN || !row.is_normal && share > TAKEN
+            let is_taken = share < -TAKEN || !row.is_normal && share > TAKEN;
+            is_taken && row.reserve > LITTLE * pressure
         };
         if rows.iter().any(is_taken) {
             return false;
@@ -176,10 +233,6 @@ impl Need<'_, '_, '_> {
         rows: &mut SmallVec<[Row; 32]>,
     ) {
         let other = link.other(slot);
-        // What awake bodies do is in the change already.
-        if self.table.get(other).is_none_or(BodyState::is_awake) {
-            return;
-        }
         let Some(contact) = self.forces.contact(link) else {
             return;
         };
@@ -223,6 +276,14 @@ impl Need<'_, '_, '_> {
                 }
             }
         }
+    }
+
+    /// Returns true if all that holds a body up is awake. Then it is a weight that cannot be moved to these bodies, and hides from them that they tip.
+    fn stands_on_awake(&self, slot: u32, up: Vec3) -> bool {
+        let each = self.forces.each(slot, self.graph);
+        let mut holding = each.iter().filter(|(_, wrench)| wrench.force.dot(up) > 0.0);
+        let is_awake = |slot: u32| self.table.get(slot).is_some_and(BodyState::is_awake);
+        holding.clone().next().is_some() && holding.all(|&(other, _)| is_awake(other))
     }
 
     fn is_bond(&self, link: &Link) -> bool {

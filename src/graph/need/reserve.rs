@@ -1,13 +1,13 @@
 //! Small changes that nothing resists.
 //!
-//! A feather tips a seesaw however heavy it is: its hinge resists nothing. So the changes that are too small to wake a body by themselves are followed
-//! down to the ground every now and then, as far as they are more than half a percent of what presses on a body. Each sleeping body passes its change on to
-//! what holds it up. Each contact point takes a part of it in proportion to its *reserve*: to its normal force, and to what friction can still bear.
-//! These parts balance the change, and are the smallest ones by least squares. A body wakes with all that rests on it if a part takes more than half of
-//! some reserve, if nothing balances the change, or if a joint that can move holds the body: it may be at its limit, and awake it shows whether it is.
+//! A feather tips a seesaw however heavy it is, because its hinge resists nothing. So changes that are too small to wake a body by themselves are
+//! followed down to the ground every quarter of a second, from the bodies that awake ones touch on. Each sleeping body passes its change on to what holds
+//! it up. Each contact point takes a part of it in proportion to its *reserve*: its normal force, and what friction can still bear. These parts balance
+//! the change, and are the smallest by least squares. A body wakes with all that rests on it if a part takes more than half of a reserve, if nothing
+//! balances the change, or if a joint holds it that is no mortar: it may be at its limit, and shows it when it is awake.
 //!
-//! With reserves as weights the first point to be unloaded is that about which statics tips the body, if it stands on two rows of points. If it stands on
-//! more, a point may be unloaded before the body tips; then it wakes, stands, and sleeps again.
+//! With reserves as weights a body that stands on two rows of points is at its limit where statics tips it. If it stands on more, a point may be unloaded
+//! earlier; then the body wakes, stands, and sleeps again.
 
 use super::{Need, Rising};
 use crate::body::BodyState;

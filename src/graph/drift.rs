@@ -132,7 +132,7 @@ impl Drifts {
         }
         // Each half of the time takes it by this share of the way of the half before: a geometric series. The last quarter shows it if something else
         // goes on when that has ended.
-        let share = ((a + b) / (c + d)).max((a / b).powi(2));
+        let share = ((a + b) / (c + d)).max(a * a / (b * b));
         let last = (a + b) * delay / LOOKS as f32;
         if share < 1.0 && last * share <= far * (1.0 - share) {
             return Drifting::Rests;

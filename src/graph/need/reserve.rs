@@ -323,15 +323,12 @@ fn solve(rows: &[Row], least: f32, [force, moment]: [Vec3; 2]) -> [Vec3; 2] {
         });
         for i in 0..6 {
             let weighted = row.reserve * of[i];
-            for j in i..6 {
-                a[i][j] += weighted * of[j];
+            for (sum, of) in a[i].iter_mut().zip(of) {
+                *sum += weighted * of;
             }
         }
     }
     for i in 0..6 {
-        for j in 0..i {
-            a[i][j] = a[j][i];
-        }
         a[i][i] += least.max(f32::MIN_POSITIVE);
         a[i][6] = if i < 3 { force[i] } else { moment[i - 3] };
     }

@@ -20,6 +20,9 @@ const LOOKS: usize = 4;
 /// A body at rest moves in [`AHEAD`] by this times the speed below which bodies count as still, s.
 const WAY: f32 = 0.1;
 
+/// A body that contacts hold speeds up only if it is faster than this times the speed of a body at rest: slower ones tremble.
+const SURE: f32 = 2.0;
+
 /// s.
 const AHEAD: f32 = 10.0;
 
@@ -121,7 +124,7 @@ impl Drifts {
             };
         }
         let grows = a > b && b > c && c > d && a > GROWTH * d;
-        if grows && a > slow {
+        if grows && a > SURE * slow {
             return Drifting::Goes;
         }
         if grows && a > SLOWEST * slow {
@@ -137,7 +140,7 @@ impl Drifts {
         if share < 1.0 && last * share <= far * (1.0 - share) {
             return Drifting::Rests;
         }
-        let jumps = a > b && b > c && a > JUMP * c;
+        let jumps = a > b && b > c && a > JUMP * c && a > SURE * slow;
         // A faster motion has ended, and something else goes on.
         let turns = a > 0.9 * b && b < c && c < d && c > slow && d > f32::max(2.0 * b, 4.0 * slow);
         match jumps || turns {

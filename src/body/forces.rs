@@ -124,7 +124,7 @@ impl ExternalImpulse {
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(summary_tick)]
+#[component(on_remove = super::table::lost_description, summary_tick)]
 pub struct Damping {
     /// Damping of the linear velocity, 1/s.
     pub linear: f32,

@@ -60,7 +60,7 @@ macro_rules! body_properties {
             }
             pushing {
                 force: ExternalForce = |body, force| body.force() == *force,
-                damping: Damping = |_, damping| damping.is_valid(),
+                damping: Damping = |body, damping| body.damping() == *damping,
                 gravity_scale: GravityScale = |body, scale| body.gravity_scale == scale.0,
             }
             optional {

@@ -10,6 +10,7 @@ use super::{
     Teleport, Velocity, WrittenTransforms, limits,
 };
 use crate::components::{holders, remove_later};
+use crate::contact::ActiveContactHooks;
 use crate::diagnosis::{BodyProblem, Suspects};
 use crate::grab::Grab;
 use crate::settings::{ActiveSettings, SpeedLimits, StepTime};
@@ -88,6 +89,13 @@ pub fn prepare(
     dirty.append(&mut transforms.moved);
     dirty.extend(find_carried(bodies.p2(), placed));
     // Those that are not simulated are left out below.
+    if rules.active_settings.hooks_changed {
+        let hooked = [
+            Components::component_id::<ActiveContactHooks>,
+            Components::component_id::<Inactive>,
+        ];
+        dirty.extend(holders(components, archetypes, &hooked));
+    }
     let teleported = [
         Components::component_id::<Teleport>,
         Components::component_id::<Inactive>,
@@ -142,7 +150,7 @@ pub fn prepare(
             });
         }
         body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
-        body.set_force(pushed.0);
+        body.set_pushes(pushed.0, pushed.2);
         match describe(&mut body, description) {
             Ok(()) => {
                 let gains = gains(&body, pushed, &rules);
@@ -211,7 +219,7 @@ pub(crate) fn add_asleep(
         let mut body = BodyState::new(entity, *pose, *velocity);
         body.spawn_order = spawn_order;
         body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
-        body.set_force(pushed.0);
+        body.set_pushes(pushed.0, pushed.2);
         let is_described = describe(&mut body, description).is_ok();
         if !is_described || body.parts.is_some() || body.events || body.asks_for_hooks() {
             others.push(entity);
@@ -309,10 +317,10 @@ impl Visitor<'_, '_, '_> {
         body.disturbed = self.rules.active_settings.changed
             || body.put_from.is_some()
             || body.renewed
-            || !body.has_force(pushed.0)
             || gravity_scale != body.gravity_scale
-            || is_disturbed(&velocity, pushed);
-        body.set_force(pushed.0);
+            || is_disturbed(&velocity, pushed)
+            || self.rules.active_settings.hooks_changed && body.properties.hooks.asks();
+        body.disturbed |= body.set_pushes(pushed.0, pushed.2);
         body.gravity_scale = gravity_scale;
         // An inactive body stays inactive if the written values are those that it had already.
         let listens = body.events && !listened;
@@ -440,7 +448,7 @@ impl BodyState {
             disturbed: false,
             put_from: None,
             target: None,
-            force: None,
+            pushes: None,
             parts: None,
             visited: 0,
         }

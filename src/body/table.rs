@@ -6,8 +6,8 @@
 use super::slot_list::make_room;
 use super::slot_set::SlotSet;
 use super::{
-    BodyProperties, ExternalForce, MassProperties, Pose, RigidBody, RigidBodyDisabled, SpawnOrder,
-    Velocity,
+    BodyProperties, Damping, ExternalForce, MassProperties, Pose, RigidBody, RigidBodyDisabled,
+    SpawnOrder, Velocity,
 };
 use crate::children::{self, BodyParts};
 use crate::collider::Collider;
@@ -112,6 +112,14 @@ const ROUNDING: f32 = 1.0 / (1 << 26) as f32;
 /// and cubes under a hundred times their mass that were placed with noise by 14 µm in a minute.
 const FAR: f32 = 64.0;
 
+/// What pushes and brakes a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Pushes {
+    force: ExternalForce,
+    damping: Damping,
+}
+
 /// One body as it was at the start of the step: the pose at which contacts are detected, and the velocity before forces.
 ///
 /// The fields that stages read of both bodies of every pair come first.
@@ -168,8 +176,8 @@ pub struct BodyState {
     pub half: Vec3,
     /// Pose of a kinematic body at the end of the step, if the user set it through `Transform`.
     pub(crate) target: Option<Box<Pose>>,
-    /// The external force of the last step, unless it was zero.
-    pub(super) force: Option<Box<ExternalForce>>,
+    /// The external force and the damping of the last step, unless both were zero.
+    pub(super) pushes: Option<Box<Pushes>>,
     /// Its solid parts and its sensors, if it has some on other entities, or is a sensor itself.
     #[cfg_attr(feature = "serde", serde(with = "crate::state::written::maybe_shared"))]
     pub(crate) parts: Option<Arc<BodyParts>>,
@@ -200,7 +208,7 @@ clone_fields!(BodyState {
     gravity_scale,
     half,
     target,
-    force,
+    pushes,
     parts,
     visited,
 } shared { properties });
@@ -227,29 +235,50 @@ impl BodyState {
         [ROUNDING * sizes * self.radius / dt, ROUNDING * sizes / dt]
     }
 
+    fn pushes(&self) -> Pushes {
+        self.pushes.as_deref().copied().unwrap_or_default()
+    }
+
     /// The external force of the last step, N and N·m.
     #[inline]
     pub(crate) fn force(&self) -> ExternalForce {
-        self.force.as_deref().copied().unwrap_or_default()
+        self.pushes().force
     }
 
-    /// Whether the external force is the same as in the last step. Most bodies have none.
-    #[inline]
-    pub(super) fn has_force(&self, force: Option<&ExternalForce>) -> bool {
-        self.force.is_none() && force.is_none()
-            || self.force() == force.copied().unwrap_or_default()
+    /// The damping of the last step.
+    pub(super) fn damping(&self) -> Damping {
+        self.pushes().damping
     }
 
-    /// Sets the external force, N and N·m.
+    /// Returns true if an external force or damping acts on the body.
+    pub(crate) fn is_pushed(&self) -> bool {
+        self.pushes() != Pushes::default()
+    }
+
+    /// Sets external force and damping. Returns true if the body cannot stay asleep: the force differs from that of the last step, or less damping brakes
+    /// it. Most bodies have neither.
     #[inline]
-    pub(super) fn set_force(&mut self, force: Option<&ExternalForce>) {
-        match (&mut self.force, force) {
-            (Some(known), force) => **known = force.copied().unwrap_or_default(),
-            (None, Some(force)) if *force != ExternalForce::default() => {
-                self.force = Some(Box::new(*force));
-            }
-            (None, _) => (),
+    pub(super) fn set_pushes(
+        &mut self,
+        force: Option<&ExternalForce>,
+        damping: Option<&Damping>,
+    ) -> bool {
+        if self.pushes.is_none() && force.is_none() && damping.is_none() {
+            return false;
         }
+        let now = Pushes {
+            force: force.copied().unwrap_or_default(),
+            damping: damping.copied().unwrap_or_default(),
+        };
+        let before = self.pushes();
+        match &mut self.pushes {
+            Some(known) => **known = now,
+            None if now != before => self.pushes = Some(Box::new(now)),
+            None => (),
+        }
+        now.force != before.force
+            || now.damping.linear < before.damping.linear
+            || now.damping.angular < before.damping.angular
     }
 
     /// Sets the shape, and the values that follow from the shape and the kind. The kind must be set before.

@@ -12,7 +12,8 @@ use std::sync::Arc;
 /// Decides about contacts. It is called for pairs in which a body has [`ActiveContactHooks`], in every step in which the pair is active.
 ///
 /// Two worlds agree bit by bit only if a hook's answer depends on its arguments and on its own data alone. It must not rely on the order of
-/// calls, and several [threads](crate::settings::PhysicsThreads) may call it at the same time, for different pairs. To give it data of the game, replace the resource [`ContactHooks`] when the data change, or share it through an `Arc`. Previews
+/// calls, and several [threads](crate::settings::PhysicsThreads) may call it at the same time, for different pairs. To give it data of the game, replace the resource [`ContactHooks`] when the data change: this wakes the
+/// bodies whose contacts it decides about. Data that it shares through an `Arc` may change without that, and sleeping bodies do not notice. Previews
 /// call it too, for copies that have the numbers of their originals ([`ActiveContactHooks::user_data`]) and other entities.
 pub trait ContactHook: Send + Sync + 'static {
     /// Returns false for a pair that has no contact now. It is called whenever the boxes of the two bodies overlap.
@@ -67,6 +68,11 @@ impl ContactHooks {
         Self(Arc::new(hook))
     }
 
+    /// Returns true for the same hook, not just an equal one.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
     pub(crate) fn hook(&self) -> &dyn ContactHook {
         &*self.0
     }
@@ -119,6 +125,11 @@ impl ActiveContactHooks {
         modify_contacts: true,
         user_data: 0,
     };
+
+    /// Returns true if some method of the hook is called.
+    pub(crate) const fn asks(&self) -> bool {
+        self.filter_pairs || self.modify_contacts
+    }
 
     /// With a number of the user's.
     #[must_use]

@@ -8,12 +8,14 @@
 use super::ConstraintGraph;
 use super::account::Accounts;
 use super::activation::{Deactivation, activate, deactivate};
+use super::drift::Drifts;
 use super::forces::Forces;
 use super::levels::{Kind, Levels};
 use super::need::{Need, Sleepers};
 use super::partition::Partition;
 use crate::body::{BodyState, BodyTable, SpawnOrder, cover, written_rows};
 use crate::contact::{LostPairs, PairsRef, Part};
+use crate::joint::JointEdge;
 use crate::revision::Revision;
 use crate::saving::Restored;
 use crate::settings::{Gravity, SleepSettings, StepTime};
@@ -57,6 +59,10 @@ pub struct Islands {
     pub(super) sleepers: usize,
     /// The forces on sleeping bodies that touch awake ones.
     pub(super) accounts: Accounts,
+    /// The time since small changes of these forces were last followed, s.
+    pub(super) unfollowed: f32,
+    /// What is known of the drift of bodies that are still, by slot.
+    pub(super) drifts: Drifts,
 }
 
 clone_fields!(Islands {
@@ -76,6 +82,8 @@ clone_fields!(Islands {
     boundary,
     sleepers,
     accounts,
+    unfollowed,
+    drifts,
 });
 
 impl Default for Islands {
@@ -97,6 +105,8 @@ impl Default for Islands {
             boundary: Vec::new(),
             sleepers: 0,
             accounts: Accounts::default(),
+            unfollowed: 0.0,
+            drifts: Drifts::default(),
         }
     }
 }
@@ -284,6 +294,9 @@ impl Islands {
     }
 }
 
+/// Small changes of the forces on sleeping bodies are followed this often, s.
+const FOLLOWED: f32 = 0.25;
+
 /// First part of the stage: updates links and islands, wakes bodies, and finds the bodies and pairs that become inactive.
 pub fn islands(
     mut table: ResMut<BodyTable>,
@@ -291,7 +304,7 @@ pub fn islands(
     (lost, mut restored): (Res<LostPairs>, ResMut<Restored>),
     (pairs, forces): (PairsRef, Forces),
     (time, settings, gravity): (Res<StepTime>, Res<SleepSettings>, Res<Gravity>),
-    (mut sleepers, places): (Sleepers, &Entities),
+    (mut sleepers, joints, places): (Sleepers, Query<&'static JointEdge>, &Entities),
 ) {
     let (graph, islands) = (&mut *graph, &mut *islands);
     islands.begin();
@@ -320,6 +333,9 @@ pub fn islands(
             table: &table,
             forces: &forces,
             sleepers: &sleepers,
+            joints: &joints,
+            // Before what has been laid on a sleeper sleeps, too.
+            interval: (0.5 * settings.delay).min(FOLLOWED),
             speed: settings.linear_speed,
             gravity: gravity.0,
             dt: time.dt,
@@ -589,6 +605,7 @@ impl Islands {
         if let Some(body) = known.and_then(Option::take) {
             self.sleepers -= usize::from(body.sleeps());
             self.accounts.close(slot);
+            self.drifts.forget(slot);
             update.renewed.push(slot);
             if body.dynamic {
                 update.ends.extend(graph.neighbours(slot));

@@ -25,8 +25,10 @@
 mod account;
 mod activation;
 mod active;
+mod drift;
 mod edges;
 mod forces;
+mod held;
 mod islands;
 mod levels;
 mod need;
@@ -42,6 +44,7 @@ mod waking;
 
 pub(crate) use account::Wrench;
 pub use activation::{activate, any_disturbed};
+pub(crate) use drift::Drift;
 pub use edges::ConstraintGraph;
 pub(crate) use edges::{EdgeKind, WORLD};
 pub use islands::{Islands, activation, islands};

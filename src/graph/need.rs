@@ -12,6 +12,8 @@
 //! - a body near it has lost a contact whose force mattered. All that rests on that body wakes in the same step, so that it falls together;
 //!   and so do the bodies below that will feel the change. It is handed down as the load is: to each support in proportion to its force.
 //!
+//! Changes below that share are [followed](reserve) to see whether anything resists them.
+//!
 //! The idea to solve only near a disturbance, and to watch the forces of what is at rest beside it, is that of Coevoet, Benchekroun and Kry,
 //! *Adaptive Merging for Rigid Body Simulation*, ACM Transactions on Graphics 39(4), 2020.
 
@@ -21,6 +23,7 @@ use super::edges::{EdgeKind, Link};
 use super::forces::Forces;
 use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, ExternalImpulse, Sleeping};
+use crate::joint::JointEdge;
 use crate::solver::Both;
 use crate::solver::sort;
 use bevy_ecs::prelude::*;
@@ -43,12 +46,15 @@ pub(super) struct Need<'a, 'w, 's> {
     pub table: &'a BodyTable,
     pub forces: &'a Forces<'w, 's>,
     pub sleepers: &'a Sleepers<'w, 's>,
+    pub joints: &'a Query<'w, 's, &'static JointEdge>,
     /// A body counts as still below this speed, m/s.
     pub speed: f32,
     /// m/s².
     pub gravity: Vec3,
     /// Length of the step, s.
     pub dt: f32,
+    /// How often small changes are followed, s.
+    pub interval: f32,
 }
 
 impl Need<'_, '_, '_> {
@@ -80,6 +86,11 @@ impl Need<'_, '_, '_> {
             return;
         }
         self.wake_supports(slot, change, share, rising);
+        self.wake_resting(slot, share, rising);
+    }
+
+    /// Wakes all that rests on a body.
+    fn wake_resting(&self, slot: u32, share: f32, rising: &mut Rising) {
         let up = -self.gravity.normalize_or_zero();
         let mut found = Rising::default();
         let mut next = SmallVec::<[u32; 32]>::from_slice(&[slot]);
@@ -298,5 +309,6 @@ impl Need<'_, '_, '_> {
     }
 }
 
+mod reserve;
 #[cfg(test)]
 mod tests;

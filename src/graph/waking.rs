@@ -2,13 +2,15 @@
 //!
 //! These sleeping bodies wake:
 //! - A body that the user has moved, pushed or changed, and the two bodies of a contact that ended or was removed.
-//! - All bodies that are connected with a static or kinematic body that moves or was changed, or with a body that was one.
+//! - All bodies that are connected with a static or kinematic body that moves or was changed, or whose [hook](crate::contact::ContactHooks) was
+//!   replaced, or with a body that was one.
 //! - Bodies that are joined to an awake body, and bodies that are joined to those.
 //! - Bodies that awake bodies touch: under [`Waking::Islands`] all that are connected with them, under [`Waking::ByNeed`] those that
 //!   [need](super::need) it.
 
 use super::ConstraintGraph;
 use super::account::Wrench;
+use super::drift::Drift;
 use super::edges::EdgeKind;
 use super::islands::{Islands, is_among};
 use super::need::{Need, Sleepers};
@@ -51,6 +53,15 @@ impl Islands {
                     need.wake_bereft(slot, share, &self.accounts, &mut rising);
                 }
                 need.wake_touched(&self.boundary, share, &mut self.accounts, &mut rising);
+                // From the first touch on, so that copies of the bodies do the same at another time.
+                self.unfollowed = match self.boundary.is_empty() {
+                    true => 0.0,
+                    false => self.unfollowed + need.dt,
+                };
+                if self.unfollowed >= need.interval && !self.boundary.is_empty() {
+                    self.unfollowed = 0.0;
+                    need.wake_unsteady(&self.boundary, &self.accounts, share, &mut rising);
+                }
                 rising.flood(world, 0, |link| link.kind == EdgeKind::Joint);
                 need.open(&rising, &mut self.accounts);
             }
@@ -65,12 +76,18 @@ impl Islands {
         let first = rising.slots.len();
         let mut carried = FixedBitSet::new();
         for (slot, body) in table.active().filter(|(_, body)| !body.is_dynamic()) {
-            let is_new = body.moved || body.renewed;
+            // A body that does not move is disturbed if the hook of its contacts was replaced.
+            let is_hooked = body.disturbed && body.properties.hooks.asks();
+            let is_new = body.moved || body.renewed || is_hooked;
             let moves = body.velocity != Velocity::default();
             if !is_new && !moves {
                 continue;
             }
-            for above in graph.neighbours(slot) {
+            // A new hook may let bodies touch that overlapped before.
+            let edges = graph.edges_at(slot);
+            let edges = edges.filter(|(_, links)| *links || is_hooked);
+            for (link, _) in edges {
+                let above = link.other(slot);
                 // A body that is added together with its ground may stay asleep on it.
                 let together = |above: &BodyState| body.arrived && above.arrived;
                 if moves || !table.get(above).is_some_and(together) {
@@ -111,6 +128,16 @@ impl Islands {
     /// Opens the account of a sleeping body that is the copy of another.
     pub(crate) fn open_account(&mut self, slot: u32, forces: Wrench) {
         self.accounts.open(slot, forces);
+    }
+
+    /// What was seen of a body that is still, if it is.
+    pub(crate) fn drift(&self, slot: u32) -> Option<Drift> {
+        self.drifts.get(slot)
+    }
+
+    /// Takes over what was seen of a body that is the original of another.
+    pub(crate) fn set_drift(&mut self, slot: u32, drift: Drift) {
+        self.drifts.set(slot, drift);
     }
 
     /// Opens the accounts of the sleeping bodies of a scene that was loaded in this step.

@@ -184,6 +184,7 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
         return;
     }
     let known_orders = spawn_orders(world, slots);
+    let breaks = world.get::<BreakForce>(joint).copied();
     if let Some(mut known) = world.get_mut::<JointEdge>(joint) {
         let has_bodies = known.definition.bodies == definition.bodies;
         let is_same = has_bodies
@@ -191,8 +192,8 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
             && known.spawn_orders == known_orders
             && known.definition.collision == definition.collision;
         if is_same {
-            if known.definition != definition {
-                known.definition = definition;
+            if known.definition != definition || known.breaks != breaks {
+                (known.definition, known.breaks) = (definition, breaks);
                 wake(&mut world.resource_mut::<BodyTable>(), slots);
             }
             return;
@@ -246,6 +247,7 @@ fn attach(world: &mut World, joint: Entity, found: JointDefinition, slots: [u32;
         spawn_orders,
         order,
         definition,
+        breaks,
     });
 }
 

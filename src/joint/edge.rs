@@ -1,5 +1,6 @@
 //! The edge of a joint in the constraint graph.
 
+use super::BreakForce;
 use super::definition::JointDefinition;
 use crate::body::{BodyTable, Pose, SpawnOrder};
 use crate::graph::WORLD;
@@ -27,6 +28,8 @@ pub struct JointEdge {
     /// The joint's own number in the order of spawning.
     pub(crate) order: SpawnOrder,
     pub(crate) definition: JointDefinition,
+    /// What breaks it, so that a change of that wakes its bodies.
+    pub(crate) breaks: Option<BreakForce>,
 }
 
 impl MapEntities for JointEdge {

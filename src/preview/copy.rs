@@ -7,7 +7,7 @@ use crate::contact::{
     ContactAnchors, ContactHooks, ContactImpulses, ContactPair, ContactTargets, Manifold,
     NarrowphaseCache,
 };
-use crate::graph::{ConstraintGraph, Islands, Wrench};
+use crate::graph::{ConstraintGraph, Drift, Islands, Wrench};
 use crate::joint;
 use crate::mortar::Mortar;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
@@ -32,6 +32,8 @@ pub(super) struct OriginalState {
     pub poses: HashMap<Entity, (Pose, bool)>,
     /// The forces with which sleeping bodies fell asleep, where they are on record.
     pub accounts: HashMap<Entity, Wrench>,
+    /// What was seen of bodies that are still.
+    pub drifts: HashMap<Entity, Drift>,
     /// Bodies that lost a contact because a body was removed since the last step.
     pub bereft: Vec<Entity>,
 }
@@ -85,6 +87,7 @@ fn take_over(
         contacts,
         poses,
         accounts,
+        drifts,
         bereft,
     } = &mut *original;
     for slot in 0..table.slots() as u32 {
@@ -93,6 +96,9 @@ fn take_over(
         };
         if let Some(&forces) = accounts.get(&body.entity) {
             islands.open_account(slot, forces);
+        }
+        if let Some(&drift) = drifts.get(&body.entity) {
+            islands.set_drift(slot, drift);
         }
         match poses.get(&body.entity) {
             Some((pose, moved)) if *pose == body.pose => {

@@ -234,6 +234,7 @@ impl Shadow {
         };
         let (mut copies, mut poses) = (HashMap::default(), HashMap::default());
         let (mut accounts, mut bereft) = (HashMap::default(), Vec::new());
+        let mut drifts = HashMap::default();
         let islands = world.resource::<Islands>();
         for &slot in &region.slots {
             let body = region.table.get(slot).expect("it is in the region");
@@ -246,6 +247,7 @@ impl Shadow {
             copies.insert(body.entity, copy);
             poses.insert(copy, (from, from != body.pose));
             accounts.extend(islands.account(slot).map(|forces| (copy, forces)));
+            drifts.extend(islands.drift(slot).map(|drift| (copy, drift)));
             bereft.extend(region.bereft.contains(&slot).then_some(copy));
         }
         let contacts = region.contacts(world, &copies);
@@ -266,6 +268,7 @@ impl Shadow {
             contacts,
             poses,
             accounts,
+            drifts,
             bereft,
         });
         Ok(shadow)

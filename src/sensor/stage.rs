@@ -24,9 +24,11 @@ pub fn sensors(
     mut restored: ResMut<Restored>,
     mut reports: Reports,
 ) {
+    let mut arrived = std::mem::take(&mut sensors.arrived);
     if sensors.is_empty() && owners.is_empty() {
         return;
     }
+    arrived.sort_unstable();
     let mut changes = Vec::new();
     let moved = find_moved_zones(&mut sensors, &table, &owners, &poses, &mut changes);
     if !sensors.is_empty() || !changes.is_empty() {
@@ -41,8 +43,18 @@ pub fn sensors(
         for &zone in &moved {
             stage.compare_zone(zone);
         }
+        for slot in arrived {
+            if let Some(body) = table.get(slot)
+                && let Some(pose) = pose_of(&poses, body)
+            {
+                stage.compare_body(slot, body, pose, &moved);
+            }
+        }
         for ((_, _, index, pose, _), _) in &active {
-            stage.compare_body(*index, *pose, &moved);
+            let body = table.get(index.0);
+            if let Some(body) = body.filter(|body| has_changed(body, pose)) {
+                stage.compare_body(index.0, body, *pose, &moved);
+            }
         }
         changes = stage.changes;
     }
@@ -61,12 +73,11 @@ pub fn sensors(
     for change in changes.chunk_by(|one, other| one.rank == other.rank) {
         let sensor = change[0].sensor;
         let of = [sensor, change[0].body];
-        change
-            .iter()
-            .for_each(|change| reports.exits(of, &change.exited));
-        change
-            .iter()
-            .for_each(|change| reports.enters(of, &change.entered));
+        // A body that was taken out and put back between two steps has neither left nor come in.
+        let exited = missing_in_any(change, |change| &change.entered, |change| &change.exited);
+        let entered = missing_in_any(change, |change| &change.exited, |change| &change.entered);
+        reports.exits(of, &exited);
+        reports.enters(of, &entered);
         if let Ok(mut inside) = overlaps.get_mut(sensor) {
             let zone = change[0].zone.and_then(|zone| sensors.get(zone));
             let contents = zone.map_or(&[][..], |zone| &zone.contents);
@@ -256,20 +267,13 @@ impl Stage<'_, '_, '_> {
         self.set(zone, found);
     }
 
-    /// Compares a body that has moved or changed with the zones near it.
-    fn compare_body(&mut self, index: BodyIndex, pose: Pose, compared: &[u32]) {
-        let Some(body) = self
-            .table
-            .get(index.0)
-            .filter(|body| has_changed(body, &pose))
-        else {
-            return;
-        };
+    /// Compares a body that has arrived, moved or changed with the zones near it.
+    fn compare_body(&mut self, slot: u32, body: &BodyState, pose: Pose, compared: &[u32]) {
         let aabb = match body.shape() {
             Some(shape) if body.radius.is_finite() => Some(shape.compute_aabb(&pose.to_parry())),
             _ => None,
         };
-        for zone in self.sensors.near(index.0, aabb.as_ref()) {
+        for zone in self.sensors.near(slot, aabb.as_ref()) {
             if compared.binary_search(&zone).is_ok() {
                 continue;
             }
@@ -285,8 +289,8 @@ impl Stage<'_, '_, '_> {
                 pose: tracked.pose,
             };
             let mut found = Vec::new();
-            detector.detect(body, index.0, pose, &mut found);
-            self.update(zone, index.0, found);
+            detector.detect(body, slot, pose, &mut found);
+            self.update(zone, slot, found);
         }
     }
 
@@ -321,13 +325,26 @@ impl Stage<'_, '_, '_> {
     }
 }
 
+/// The colliders in one list of some changes that are in none of the other.
+fn missing_in_any(
+    changes: &[Change],
+    these: fn(&Change) -> &[Content],
+    those: fn(&Change) -> &[Content],
+) -> Vec<Content> {
+    let those = changes.iter().flat_map(those);
+    let is_missing = |content: &&Content| {
+        let mut these = changes.iter().flat_map(these);
+        these.all(|other| other.identity() != content.identity())
+    };
+    those.filter(is_missing).copied().collect()
+}
+
 /// The colliders that are in `those` and not in `these`. The number of a part may have changed.
 fn missing_in(these: &[Content], those: &[Content]) -> Vec<Content> {
-    let identity = |content: &Content| (content.body, content.spawn_order, content.collider);
     let is_missing = |content: &&Content| {
         let mut others = these.iter();
         these.binary_search(content).is_err()
-            && others.all(|other| identity(other) != identity(content))
+            && others.all(|other| other.identity() != content.identity())
     };
     those.iter().filter(is_missing).copied().collect()
 }

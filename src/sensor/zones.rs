@@ -38,6 +38,11 @@ impl Content {
         (self.spawn_order, piece, self.collider.to_bits())
     }
 
+    /// What stays the same if the body gets another slot or the part another number.
+    pub fn identity(&self) -> (Entity, SpawnOrder, Entity) {
+        (self.body, self.spawn_order, self.collider)
+    }
+
     /// Whether the body is still in the table, with this part.
     fn lives(&self, table: &BodyTable) -> bool {
         table
@@ -105,6 +110,8 @@ pub struct Sensors {
         serde(serialize_with = "crate::state::written::sorted")
     )]
     inside: HashMap<u32, SmallVec<[u32; 2]>>,
+    /// Slots of bodies that joined the simulation at rest since the stage ran last: no query of active bodies has them.
+    pub(super) arrived: Vec<u32>,
     /// The revision of the removal of bodies that the contents follow.
     pub(super) departures: Option<Revision>,
 }
@@ -165,6 +172,11 @@ impl Sensors {
             contents: Vec::new(),
         });
         zone
+    }
+
+    /// Has the stage compare bodies that join the simulation at rest, by their slots.
+    pub(crate) fn note_arrived(&mut self, slots: impl IntoIterator<Item = u32>) {
+        self.arrived.extend(slots);
     }
 
     /// Removes a zone, and returns it.

@@ -5,8 +5,10 @@ use super::{
     StabilizationSettings, Waking,
 };
 use crate::body::limits;
+use crate::contact::ContactHooks;
 use crate::diagnosis::StepError;
 use bevy_ecs::prelude::*;
+use std::fmt;
 
 /// The settings that the last step used. It tells whether settings have changed, and what to go back to if they are invalid.
 #[derive(Resource, Clone, Default, Debug)]
@@ -19,10 +21,25 @@ pub struct ActiveSettings {
     solver: SolverSettings,
     sleeping: SleepSettings,
     speeds: SpeedLimits,
+    /// The hook of the last step. Code cannot be saved, so it is not known in the first step after loading.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    hooks: LastHooks,
     steps: u64,
     changes: u64,
     /// Whether some settings differ from those of the step before. Sleeping bodies are woken then.
     pub changed: bool,
+    /// Whether [`ContactHooks`] was replaced, inserted or removed since the step before. Sleeping bodies whose contacts it decides about are woken then.
+    pub(crate) hooks_changed: bool,
+}
+
+/// The hook of the last step: `None` if that is not known, `Some(None)` if there was none. Its `Debug` tells nothing, as that of code does.
+#[derive(Clone, Default)]
+struct LastHooks(Option<Option<ContactHooks>>);
+
+impl fmt::Debug for LastHooks {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("LastHooks")
+    }
 }
 
 impl ActiveSettings {
@@ -44,6 +61,7 @@ trait Checked: Resource + Clone {
 
 /// Sets back settings that are invalid or were removed, and notes whether any have changed.
 pub(crate) fn check(world: &mut World) {
+    look_at_hooks(world);
     let last = world.resource::<ActiveSettings>();
     let is_same = is_same(world, &last.gravity)
         && is_same(world, &last.stabilization)
@@ -71,6 +89,22 @@ pub(crate) fn check(world: &mut World) {
     last.steps += 1;
     last.changes += u64::from(last.changed);
     world.insert_resource(last);
+}
+
+/// Notes whether the hook of contacts is another one than in the last step.
+fn look_at_hooks(world: &mut World) {
+    let now = world.get_resource::<ContactHooks>().cloned();
+    let mut last = world.resource_mut::<ActiveSettings>();
+    let is_same = |last: &Option<ContactHooks>| match (last, &now) {
+        (Some(last), Some(now)) => last.is_same(now),
+        (last, now) => last.is_none() && now.is_none(),
+    };
+    let changed = last.hooks.0.as_ref().is_some_and(|last| !is_same(last));
+    if changed || last.hooks.0.is_none() {
+        last.hooks.0 = Some(now);
+    }
+    last.hooks_changed = changed;
+    last.changes += u64::from(changed);
 }
 
 /// Returns true if a resource is valid and has not changed.

@@ -120,11 +120,12 @@ const SLOW: f32 = 10.0;
 pub struct SleepSettings {
     /// Whether bodies may fall asleep. Default: true.
     pub enabled: bool,
-    /// A body counts as still below this speed, m/s. Default: 0.01.
+    /// A body counts as still below this speed, m/s. It is at rest if it moves by less than a hundredth of that in the mean. Default: 0.01.
     pub linear_speed: f32,
     /// A body counts as still below this angular speed, rad/s. Default: 0.02.
     pub angular_speed: f32,
-    /// An island falls asleep when all its bodies have been still for this time, s. If it is infinite, none does. Default: 0.5.
+    /// An island falls asleep when all its bodies have been still for this time, s, and are [at rest](crate::body::Sleeping#when-bodies-fall-asleep).
+    /// If it is infinite, none does. Default: 0.5.
     pub delay: f32,
     /// Rate at which the bodies of a tall structure lose speed, 1/s, once all are slower than ten times `linear_speed` and `angular_speed`. Without
     /// it, a wall that was hit sways for long. It does not act on structures of fewer than twelve courses or with joints, on bodies that roll, slide or
@@ -149,7 +150,7 @@ pub enum Waking {
     /// is laid on a wall wakes a few bricks below it.
     ByNeed {
         /// A body wakes when the force on it, or the moment divided by its radius, changes by more than this share of the sum of the normal
-        /// forces on it. Without unit. Default: 0.02.
+        /// forces on it, without unit; and by less where little or nothing resists, as on hinges, on ice and on edges. Default: 0.02.
         share: f32,
     },
 }

@@ -5,6 +5,7 @@ use super::suspended::{End, Suspended, is_out};
 use crate::body::{BodyIndex, BodyState, BodyTable, RigidBodyDisabled, Sleeping};
 use crate::broadphase::Broadphase;
 use crate::graph::{ConstraintGraph, Islands};
+use crate::sensor::Sensors;
 use crate::settings::ActiveSettings;
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
@@ -61,6 +62,9 @@ fn join(world: &mut World, bodies: Vec<Body>) -> EntityHashMap<u32> {
         entering.push(slot);
         boxes.extend(body.aabb.map(|aabb| (slot, aabb)));
         accounts.extend(body.account.map(|account| (slot, account)));
+    }
+    if let Some(mut sensors) = world.get_resource_mut::<Sensors>() {
+        sensors.note_arrived(entering.iter().copied());
     }
     world.resource_scope(|world, mut broadphase: Mut<Broadphase>| {
         broadphase.put_boxes(world.resource(), &boxes);

@@ -23,9 +23,10 @@ fn supports_do_not_depend_on_the_order_of_links() {
     for _ in 0..120 {
         crate::step(world, 1.0 / 60.0).unwrap();
     }
-    let mut state = SystemState::<(Res<BodyTable>, Forces, Sleepers)>::new(world);
+    let mut state =
+        SystemState::<(Res<BodyTable>, Forces, Sleepers, Query<&JointEdge>)>::new(world);
     let graph = world.resource::<ConstraintGraph>().clone();
-    let (table, forces, sleepers) = state.get_mut(world).unwrap();
+    let (table, forces, sleepers, joints) = state.get_mut(world).unwrap();
     let found = table.iter().find(|(_, body)| body.entity == plank);
     let (slot, _) = found.unwrap();
     let supports = |graph: &ConstraintGraph| {
@@ -34,6 +35,8 @@ fn supports_do_not_depend_on_the_order_of_links() {
             table: &table,
             forces: &forces,
             sleepers: &sleepers,
+            joints: &joints,
+            interval: 0.25,
             speed: 0.01,
             gravity: Vec3::NEG_Y,
             dt: 1.0 / 60.0,

@@ -24,6 +24,7 @@ use crate::diagnosis::BodyProblem;
 use crate::graph::{ConstraintGraph, Islands, report, with_room};
 use crate::joint;
 use crate::mortar::Mortar;
+use crate::sensor::Sensors;
 use crate::settings::Columns;
 use crate::settings::{Gravity, PhysicsThreads, StabilizationSettings, StepTime};
 use crate::warm_start::SolveContext;
@@ -134,6 +135,9 @@ pub fn arrive(
         found
     });
     others.extend(unfit);
+    if let Some(mut sensors) = world.get_resource_mut::<Sensors>() {
+        sensors.note_arrived(slots.iter().copied());
+    }
     world.resource_scope(|world, mut broadphase: Mut<Broadphase>| {
         add_boxes(world, &mut broadphase, &slots);
         let groups = Groups::find(

@@ -4,8 +4,8 @@ use super::Rules;
 use super::candidates::{Candidate, Candidates, max_points, push};
 use super::forms::{Form, WithTwo, ours, with_two};
 use super::polyhedra::{
-    Axis, Contact, FeatureId, Placement, Search, Solid, across, meet, meet_plane, touch_along,
-    touch_lengthwise,
+    Axis, Contact, FeatureId, Placement, Point, Search, Solid, across, meet, meet_plane,
+    touch_along, touch_lengthwise,
 };
 use super::round::{self, Part};
 use super::{parry, passing, rolling};
@@ -79,6 +79,30 @@ pub(super) fn detect(
                 let [part_a, part_b] = Part::two(form_a, form_b, place);
                 let last = last_direction(old, at(a).1);
                 apart = round::meet(&part_a, &part_b, search, last, &mut contact) as f32;
+                let is_apart = |point: &Point| point.distance > search.graze;
+                if contact.points.iter().all(is_apart)
+                    && let Some(way) = passing::fast_motion_until_contact(a, b, rules.time.dt)
+                {
+                    // Where they meet, another normal may count than the one between the places where they are nearest now.
+                    let world = way;
+                    let way = (a.pose.rotation.inverse() * way).as_dvec3();
+                    let mut there = Placement::between(at(a), at(b));
+                    there.origin += way;
+                    let [part_a, part_b] = Part::two(form_a, form_b, there);
+                    let search = Search {
+                        reach: search.graze,
+                        ..search
+                    };
+                    let mut meeting = Contact::default();
+                    round::meet(&part_a, &part_b, search, None, &mut meeting);
+                    if !meeting.points.is_empty() {
+                        for point in &mut meeting.points {
+                            point.distance += meeting.normal.dot(way);
+                        }
+                        manifold.between -= world;
+                        contact = meeting;
+                    }
+                }
             } else {
                 let two = Two {
                     bodies: [a, b],
@@ -86,6 +110,7 @@ pub(super) fn detect(
                     search,
                     axis: &mut cache.axis,
                     contact: &mut contact,
+                    between: &mut manifold.between,
                     apart: &mut apart,
                 };
                 with_two(form_a, form_b, two);
@@ -147,6 +172,8 @@ struct Two<'a> {
     search: Search,
     axis: &'a mut Axis,
     contact: &'a mut Contact,
+    /// From the centre of B to that of A, m.
+    between: &'a mut Vec3,
     /// Lower bound of their distance, m. It is only set if they are out of reach.
     apart: &'a mut f32,
 }
@@ -159,6 +186,7 @@ impl WithTwo for Two<'_> {
             search,
             axis,
             contact,
+            between,
             apart,
         } = self;
         let place = Placement::between(at(body_a), at(body_b));
@@ -192,8 +220,9 @@ impl WithTwo for Two<'_> {
         meet(a, b, &there, search, &mut Axis::Unknown, contact);
         for point in &mut contact.points {
             point.distance += contact.normal.dot(way);
-            point.position -= 0.5 * way;
         }
+        // Lever arms are those where the two meet.
+        *between -= (body_a.pose.rotation.as_dquat() * way).as_vec3();
     }
 }
 

@@ -32,11 +32,23 @@ pub(super) fn motion_until_contact(a: &BodyState, b: &BodyState, dt: f32) -> Opt
     }
     let time = match is_fast(a, b, dt) {
         // At the end of the step they would have passed through each other.
-        true => cast(a, b, 0.0, dt).ok()??,
+        true => {
+            let deeper = DEEPER * a.size.min(b.size) / speed.length();
+            (cast(a, b, 0.0, dt).ok()?? + deeper).min(dt)
+        }
         false => dt,
     };
     Some(speed * time)
 }
+
+/// As [`motion_until_contact`], for fast bodies only.
+pub(super) fn fast_motion_until_contact(a: &BodyState, b: &BodyState, dt: f32) -> Option<Vec3> {
+    is_fast(a, b, dt).then(|| motion_until_contact(a, b, dt))?
+}
+
+/// How far fast bodies are moved into each other to find the points in which they meet, as a share of the smaller one's size. Edges that meet exactly
+/// would only graze each other.
+const DEEPER: f32 = 0.1;
 
 fn is_fast(a: &BodyState, b: &BodyState, dt: f32) -> bool {
     flight(a, b, dt) >= FAST * a.size.min(b.size)

@@ -1,13 +1,14 @@
 //! Storing the results of a solve in the components of bodies, pairs and grabs, which are found by their entities.
 
 use super::{Acting, Solve, SolveRows};
-use crate::body::{ActiveBodies, BodyState, Motion, SpawnOrder, Velocity, limits};
+use crate::body::{ActiveBodies, Motion, SpawnOrder, Velocity, limits};
 use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::grab::GrabForce;
 use crate::joint::{JointBroke, JointForces};
 use crate::mortar::MortarBroke;
 use crate::solver::Both;
-use crate::solver::GrabConstraint;
+use crate::solver::groups::Groups;
+use crate::solver::{GrabConstraint, sort};
 use crate::warm_start::{Grabs, Island, LARGE, Pairs, ProblemSet, Stored};
 use bevy_ecs::change_detection::DetectChangesMut;
 use glam::Vec3;
@@ -97,8 +98,8 @@ impl Solve<'_> {
         }
     }
 
-    /// Stores the forces of joints, and finds those that break. A joint that breaks relieves its neighbours. So of the joints that would break, one
-    /// breaks only if no other joint of its two bodies is nearer to breaking; the others get another step.
+    /// Stores the forces of joints, and finds those that break. A joint that breaks relieves those that it is connected with, so of these only the one
+    /// that is loaded most breaks. The others get another step.
     fn store_joints<R: SolveRows>(&self, problems: &ProblemSet<R>, acting: &mut Acting) {
         let mut overloaded: Vec<Overloaded> = Vec::new();
         for gathered in &problems.joints.gathered {
@@ -123,40 +124,72 @@ impl Solve<'_> {
                 let used = breaks.and_then(|breaks| breaks.exceeded_share(&before, &forces));
                 if let Some(share) = used.filter(|_| !island.diverged) {
                     overloaded.push(Overloaded {
+                        island: gathered.island,
+                        index: gathered.index,
                         share,
-                        slots: edge.slots,
                         order: edge.order,
                         broke: JointBroke::new(gathered.joint, edge, &forces),
                     });
                 }
             }
         }
-        let moves = |slot: u32| self.table.get(slot).is_some_and(BodyState::is_dynamic);
-        let breaks = |joint: &&Overloaded| {
-            let is_nearer = |other: &Overloaded| {
-                let shared = joint
-                    .slots
-                    .into_iter()
-                    .any(|slot| other.slots.contains(&slot) && moves(slot));
-                shared && other.share > joint.share
-            };
-            !overloaded.iter().any(is_nearer)
-        };
-        let broken = overloaded.iter().filter(breaks);
-        acting
-            .broken
-            .found
-            .extend(broken.map(|joint| (joint.order, joint.broke)));
+        keep_most_loaded(&mut overloaded, problems);
+        let broken = overloaded
+            .into_iter()
+            .map(|joint| (joint.order, joint.broke));
+        acting.broken.found.extend(broken);
     }
 }
 
 /// A joint whose strength was exceeded.
+#[derive(Clone, Copy)]
 struct Overloaded {
+    island: u32,
+    /// Its index in the island.
+    index: u32,
     /// Its load as a share of its strength.
     share: f32,
-    slots: [u32; 2],
     order: SpawnOrder,
     broke: JointBroke,
+}
+
+/// Keeps one overloaded joint of each group of bodies that joints connect: the one that is loaded most.
+fn keep_most_loaded<R: SolveRows>(overloaded: &mut Vec<Overloaded>, problems: &ProblemSet<R>) {
+    if overloaded.len() < 2 {
+        return;
+    }
+    sort::by_key(overloaded, |joint| (joint.island, joint.index));
+    let mut groups = Groups::default();
+    let mut kept: Vec<Overloaded> = Vec::new();
+    for of_island in overloaded.chunk_by(|a, b| a.island == b.island) {
+        let island = &problems.islands[of_island[0].island as usize];
+        let moves = |body: &u32| island.bodies[*body as usize].inverse_mass > 0.0;
+        groups.begin(island.bodies.len());
+        for joint in &island.joints {
+            // A fixed body passes nothing on.
+            if joint.bodies.iter().all(moves) {
+                groups.link(joint.bodies);
+            }
+        }
+        let first = kept.len();
+        let mut of_groups: Vec<u32> = Vec::new();
+        for joint in of_island {
+            let ends = island.joints[joint.index as usize].bodies;
+            let Some(body) = ends.into_iter().find(moves) else {
+                continue;
+            };
+            let group = groups.first_of(body);
+            match of_groups.iter().position(|&of| of == group) {
+                None => {
+                    of_groups.push(group);
+                    kept.push(*joint);
+                }
+                Some(at) if kept[first + at].share < joint.share => kept[first + at] = *joint,
+                Some(_) => {}
+            }
+        }
+    }
+    *overloaded = kept;
 }
 
 /// Stores the forces of grabs.

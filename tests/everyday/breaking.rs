@@ -75,7 +75,7 @@ fn a_chain_tears_at_its_weakest_link() {
     }
 }
 
-/// A bridge of planks between two walls, pulled down in its middle, tears at one place.
+/// A bridge of planks between two walls is pulled down in its middle. Nearly flat it is overloaded; its halves bear the load once it has torn.
 #[test]
 fn an_overloaded_bridge_tears_once() {
     let mut app = app();
@@ -105,13 +105,9 @@ fn an_overloaded_bridge_tears_once() {
     }
     steps(world, 120);
     world.entity_mut(planks[6].unwrap()).insert(ExternalForce {
-        force: Vec3::NEG_Y * 30_000.0,
+        force: Vec3::NEG_Y * 6000.0,
         ..Default::default()
     });
-    let broken = broken(world, DT);
-    assert!(
-        (1..=2).contains(&broken.len()),
-        "{} joints broke",
-        broken.len()
-    );
+    let broken = broken(world, DT).len();
+    assert_eq!(broken, 1);
 }

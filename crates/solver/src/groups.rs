@@ -3,8 +3,8 @@
 use crate::Both;
 
 /// A union–find over bodies.
-#[derive(Default)]
-pub(super) struct Groups {
+#[derive(Debug, Default)]
+pub struct Groups {
     /// By body: another body of its group; the chain ends at the first body of the group.
     parents: Vec<u32>,
 }

@@ -18,7 +18,8 @@ mod body;
 mod both;
 mod by_body;
 mod grab;
-mod groups;
+#[doc(hidden)]
+pub mod groups;
 #[doc(hidden)]
 pub mod join;
 mod joint;

@@ -47,17 +47,21 @@ pub(super) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// Removes the ghost contacts of a pair. `outer` is the distance beyond which a contact is outside of the envelope, m. Returns true if there
+    /// Removes the ghost contacts of a pair. `outer` is the distance beyond which a contact is outside of the envelope, m, and
+    /// `dt` the length of the step, s. Returns true if there
     /// were some.
     pub fn remove_ghosts(
         &self,
         slots: [u32; 2],
         bodies: [&BodyState; 2],
-        outer: f32,
+        (outer, dt): (f32, f32),
         manifold: &mut Manifold,
     ) -> bool {
-        let sides = [0, 1].map(|obstacle| Side::new(bodies, slots, obstacle, outer));
-        if sides.iter().all(|side| side.is_smooth()) {
+        let sides = [0, 1].map(|obstacle| Side::new(bodies, slots, obstacle, (outer, dt)));
+        // Bodies that hardly move are not stopped.
+        let [a, b] = bodies.map(|body| body.velocity.linear);
+        let is_slow = (a - b).length() * dt < sides[0].flush;
+        if is_slow || sides.iter().all(|side| side.is_smooth()) {
             return false;
         }
         let Manifold {
@@ -149,7 +153,11 @@ impl Surroundings<'_> {
             cover.faces(&site, |face| {
                 let rises = |piece: &Piece| piece.height_over(at, face) > flush;
                 let limit = if is_inside { ASIDE } else { max_cosine };
-                covered |= face.dot(normal) < limit && !touched.iter().any(rises);
+                // A body that is struck gives way, and then the edge beside it is an obstacle.
+                let strikes = cover.velocity.is_some_and(|velocity| {
+                    (velocity - side.other.velocity.linear).dot(face) * side.dt > flush
+                });
+                covered |= face.dot(normal) < limit && !strikes && !touched.iter().any(rises);
             });
             covered
         })
@@ -161,6 +169,8 @@ struct Side<'a> {
     /// The body whose edges may be covered.
     obstacle: &'a BodyState,
     other: &'a BodyState,
+    /// Length of the step, s.
+    dt: f32,
     /// The slot of the other body.
     other_slot: u32,
     /// The normal of the pair times this points away from the obstacle.
@@ -170,11 +180,17 @@ struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    fn new(bodies: [&'a BodyState; 2], slots: [u32; 2], obstacle: usize, outer: f32) -> Self {
+    fn new(
+        bodies: [&'a BodyState; 2],
+        slots: [u32; 2],
+        obstacle: usize,
+        (outer, dt): (f32, f32),
+    ) -> Self {
         let size = bodies[0].size.min(bodies[1].size);
         Self {
             obstacle: bodies[obstacle],
             other: bodies[1 - obstacle],
+            dt,
             other_slot: slots[1 - obstacle],
             sign: [-1.0, 1.0][obstacle],
             flush: (FLUSH * size).min(FLUSH_OF_ENVELOPE * outer.max(0.0)),
@@ -233,26 +249,37 @@ impl Site {
             TypedShape::Compound(compound) => {
                 for part in compound.bvh().intersect_aabb(&near) {
                     let (place, part) = &compound.shapes()[part as usize];
-                    self.piece(Form::Convex(&**part), pose * *place, visit);
+                    self.piece(body, Form::Convex(&**part), pose * *place, visit);
                 }
             }
             TypedShape::TriMesh(mesh) => {
                 for triangle in mesh.bvh().intersect_aabb(&near) {
-                    self.piece(Form::Triangle(mesh.triangle(triangle)), pose, visit);
+                    self.piece(body, Form::Triangle(mesh.triangle(triangle)), pose, visit);
                 }
             }
             TypedShape::HeightField(field) => {
                 field.map_elements_in_local_aabb(&near, &mut |_, triangle| {
-                    self.piece(Form::Triangle(*triangle), pose, visit);
+                    self.piece(body, Form::Triangle(*triangle), pose, visit);
                 });
             }
-            _ => self.piece(Form::Convex(shape), pose, visit),
+            _ => self.piece(body, Form::Convex(shape), pose, visit),
         }
     }
 
     /// Visits a piece if it is at the point.
-    fn piece<'a>(&self, form: Form<'a>, pose: Pose, visit: &mut impl FnMut(Piece<'a>)) {
-        let piece = Piece { form, pose };
+    fn piece<'a>(
+        &self,
+        body: &BodyState,
+        form: Form<'a>,
+        pose: Pose,
+        visit: &mut impl FnMut(Piece<'a>),
+    ) {
+        let velocity = body.is_dynamic().then_some(body.velocity.linear);
+        let piece = Piece {
+            form,
+            pose,
+            velocity,
+        };
         let at = pose.inverse_transform_point(self.at);
         if piece.shape().distance_to_local_point(at, true) <= self.flush {
             visit(piece);
@@ -269,6 +296,8 @@ enum Form<'a> {
 struct Piece<'a> {
     form: Form<'a>,
     pose: Pose,
+    /// Velocity of its body, m/s, if contacts can move it.
+    velocity: Option<Vec3>,
 }
 
 impl Piece<'_> {

@@ -306,7 +306,7 @@ fn look(
             };
             let near = outer + fall * time.dt + turns;
             if let Some(around) = &rules.around {
-                around.remove_ghosts(pair.slots, [a, b], outer, manifold);
+                around.remove_ghosts(pair.slots, [a, b], (outer, time.dt), manifold);
             }
             let passing =
                 !manifold.points.is_empty() && passing::pass(a, b, manifold, near, time.dt);

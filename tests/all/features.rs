@@ -13,6 +13,7 @@ fn module(path: &str) -> Option<String> {
     let names = [
         format!("all/{path}.rs"),
         format!("all/{path}/mod.rs"),
+        format!("everyday/{path}.rs"),
         format!("scenes/{path}.rs"),
         format!("{path}.rs"),
     ];

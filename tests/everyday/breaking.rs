@@ -105,7 +105,7 @@ fn an_overloaded_bridge_tears_once() {
     }
     steps(world, 120);
     world.entity_mut(planks[6].unwrap()).insert(ExternalForce {
-        force: Vec3::NEG_Y * 6000.0,
+        force: Vec3::NEG_Y * 3000.0,
         ..Default::default()
     });
     let broken = broken(world, DT).len();

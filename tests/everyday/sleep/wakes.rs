@@ -419,6 +419,10 @@ const WAKES_NOBODY: &[(&str, &[&str])] = &[
             "Nncg",
         ],
     ),
+    (
+        "of a character, which is kinematic and wakes what it touches when it moves",
+        &["Character", "CharacterState", "MoveAndSlide", "Ground"],
+    ),
     ("how time runs, not what is in it", &["PhysicsTime"]),
     (
         "contacts of sleeping bodies are read again when they wake",

@@ -84,7 +84,6 @@ pub(super) fn detect(
                     && let Some(way) = passing::fast_motion_until_contact(a, b, rules.time.dt)
                 {
                     // Where they meet, another normal may count than the one between the places where they are nearest now.
-                    let world = way;
                     let way = (a.pose.rotation.inverse() * way).as_dvec3();
                     let mut there = Placement::between(at(a), at(b));
                     there.origin += way;
@@ -98,8 +97,8 @@ pub(super) fn detect(
                     if !meeting.points.is_empty() {
                         for point in &mut meeting.points {
                             point.distance += meeting.normal.dot(way);
+                            point.position -= 0.5 * way;
                         }
-                        manifold.between -= world;
                         contact = meeting;
                     }
                 }
@@ -110,7 +109,6 @@ pub(super) fn detect(
                     search,
                     axis: &mut cache.axis,
                     contact: &mut contact,
-                    between: &mut manifold.between,
                     apart: &mut apart,
                 };
                 with_two(form_a, form_b, two);
@@ -172,8 +170,6 @@ struct Two<'a> {
     search: Search,
     axis: &'a mut Axis,
     contact: &'a mut Contact,
-    /// From the centre of B to that of A, m.
-    between: &'a mut Vec3,
     /// Lower bound of their distance, m. It is only set if they are out of reach.
     apart: &'a mut f32,
 }
@@ -186,7 +182,6 @@ impl WithTwo for Two<'_> {
             search,
             axis,
             contact,
-            between,
             apart,
         } = self;
         let place = Placement::between(at(body_a), at(body_b));
@@ -220,9 +215,8 @@ impl WithTwo for Two<'_> {
         meet(a, b, &there, search, &mut Axis::Unknown, contact);
         for point in &mut contact.points {
             point.distance += contact.normal.dot(way);
+            point.position -= 0.5 * way;
         }
-        // Lever arms are those where the two meet.
-        *between -= (body_a.pose.rotation.as_dquat() * way).as_vec3();
     }
 }
 

@@ -57,6 +57,14 @@ impl Surroundings<'_> {
         (outer, dt): (f32, f32),
         manifold: &mut Manifold,
     ) -> bool {
+        let is_curved = bodies.iter().any(|body| body.is_curved());
+        let are_convex = bodies
+            .iter()
+            .all(|body| body.shape().is_some_and(Shape::is_convex));
+        // Seams between flat faces of convex bodies were looked at when the contact was detected: see `polyhedra/seams.rs`.
+        if are_convex && !is_curved {
+            return false;
+        }
         let sides = [0, 1].map(|obstacle| Side::new(bodies, slots, obstacle, (outer, dt)));
         // Bodies that hardly move are not stopped.
         let [a, b] = bodies.map(|body| body.velocity.linear);
@@ -67,10 +75,6 @@ impl Surroundings<'_> {
         let Manifold {
             patches, points, ..
         } = manifold;
-        let is_curved = bodies.iter().any(|body| body.is_curved());
-        let are_convex = bodies
-            .iter()
-            .all(|body| body.shape().is_some_and(Shape::is_convex));
         let before = points.len();
         let mut kept = 0;
         for patch in &mut *patches {
@@ -120,6 +124,15 @@ impl Surroundings<'_> {
             towards: side.other.center - at,
             flush,
         };
+        let others = self.graph.edges_at(side.other_slot);
+        let others = others.filter_map(|(link, _)| self.table.get(link.other(side.other_slot)));
+        let near: SmallVec<[&BodyState; 4]> = others
+            .filter(|body| body.entity != side.obstacle.entity && site.may_lie_on(body))
+            .collect();
+        // For most contacts the answer is found here.
+        if near.is_empty() && side.obstacle.shape().is_some_and(Shape::is_convex) {
+            return false;
+        }
         // The pieces of the obstacle that have this contact, and all others nearby.
         let mut touched: SmallVec<[Piece; 4]> = SmallVec::new();
         let mut covers: SmallVec<[Piece; 8]> = SmallVec::new();
@@ -135,12 +148,8 @@ impl Surroundings<'_> {
                 return false;
             }
         }
-        for (link, _) in self.graph.edges_at(side.other_slot) {
-            let Some(body) = self.table.get(link.other(side.other_slot)) else {
-                continue;
-            };
-            let is_near = || (body.center - at).length() <= body.radius + flush;
-            if body.entity != side.obstacle.entity && !body.asks_for_hooks() && is_near() {
+        for body in near {
+            if !body.asks_for_hooks() {
                 site.pieces_of(body, &mut |piece| {
                     if piece.extends(&site) {
                         covers.push(piece);
@@ -239,6 +248,22 @@ struct Site {
 }
 
 impl Site {
+    /// Returns false if the point is certainly not at the surface of a body.
+    fn may_lie_on(&self, body: &BodyState) -> bool {
+        if (body.center - self.at).length() > body.radius + self.flush {
+            return false;
+        }
+        match body.shape().map(Shape::as_typed_shape) {
+            Some(TypedShape::Cuboid(cuboid)) => {
+                let local = body.pose.inverse_transform_point(self.at);
+                let beyond = local.abs() - cuboid.half_extents;
+                // Inside of it there is no face either.
+                (-self.flush..=self.flush).contains(&beyond.max_element())
+            }
+            shape => shape.is_some(),
+        }
+    }
+
     /// Visits the convex pieces of a body at the point.
     fn pieces_of<'a>(&self, body: &'a BodyState, visit: &mut impl FnMut(Piece<'a>)) {
         let Some(shape) = body.shape() else { return };

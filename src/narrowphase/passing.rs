@@ -34,16 +34,17 @@ pub(super) fn motion_until_contact(a: &BodyState, b: &BodyState, dt: f32) -> Opt
         // At the end of the step they would have passed through each other.
         true => {
             let deeper = DEEPER * a.size.min(b.size) / speed.length();
-            (cast(a, b, 0.0, dt).ok()?? + deeper).min(dt)
+            (cast_exactly(a, b, dt).ok()?? + deeper).min(dt)
         }
         false => dt,
     };
     Some(speed * time)
 }
 
-/// As [`motion_until_contact`], for fast bodies only.
+/// As [`motion_until_contact`], for bodies that might pass through each other within the step.
 pub(super) fn fast_motion_until_contact(a: &BodyState, b: &BodyState, dt: f32) -> Option<Vec3> {
-    is_fast(a, b, dt).then(|| motion_until_contact(a, b, dt))?
+    let passes = flight(a, b, dt) > a.size.min(b.size);
+    passes.then(|| motion_until_contact(a, b, dt))?
 }
 
 /// How far fast bodies are moved into each other to find the points in which they meet, as a share of the smaller one's size. Edges that meet exactly
@@ -64,9 +65,6 @@ fn cast(a: &BodyState, b: &BodyState, near: f32, dt: f32) -> Result<Option<f32>,
     let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
         return Err(Unsupported);
     };
-    if shape_a.as_support_map().is_some() && shape_b.as_support_map().is_some() {
-        return cast_convex([a, b], [shape_a, shape_b], near, dt);
-    }
     let options = ShapeCastOptions {
         max_time_of_impact: dt,
         target_distance: near.max(0.0),
@@ -84,25 +82,26 @@ const TOUCH: f32 = 1e-5;
 /// Most casts need five steps. After so many the shapes count as near.
 const STEPS: usize = 40;
 
-/// [`cast`] of two convex shapes, by Newton's method for their distance. On a straight way the distance is a convex function of time, and the normal of
-/// the closest points gives its slope, so no step goes too far. (Parry's cast misses some pairs that meet at their edges.)
-fn cast_convex(
-    [a, b]: [&BodyState; 2],
-    shapes: [&dyn Shape; 2],
-    near: f32,
-    dt: f32,
-) -> Result<Option<f32>, Unsupported> {
-    let near = near.max(0.0) + TOUCH;
+/// [`cast`] until two bodies touch. For convex shapes this is Newton's method for their distance: on a straight way the distance is a convex function of
+/// time, and the normal of the closest points gives its slope, so no step goes too far. It takes longer than parry's cast, which misses some pairs that
+/// meet at their edges.
+fn cast_exactly(a: &BodyState, b: &BodyState, dt: f32) -> Result<Option<f32>, Unsupported> {
+    let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
+        return Err(Unsupported);
+    };
+    if shape_a.as_support_map().is_none() || shape_b.as_support_map().is_none() {
+        return cast(a, b, 0.0, dt);
+    }
     let speed = b.velocity.linear - a.velocity.linear;
     let (at_a, at_b) = (a.pose.to_parry(), b.pose.to_parry());
     let mut time = 0.0;
     for _ in 0..STEPS {
         let mut there = at_b;
         there.translation += time * speed;
-        let Some(found) = contact(&at_a, shapes[0], &there, shapes[1], f32::MAX)? else {
+        let Some(found) = contact(&at_a, shape_a, &there, shape_b, f32::MAX)? else {
             return Ok(None);
         };
-        let left = found.dist - near;
+        let left = found.dist - TOUCH;
         if left <= 0.0 {
             break;
         }

@@ -9,7 +9,6 @@ use crate::body::BodyState;
 use crate::contact::Manifold;
 use glam::Vec3;
 use parry3d::query::{ShapeCastOptions, Unsupported, cast_shapes, contact};
-use parry3d::shape::Shape;
 
 /// A pair is fast if it moves at least this share of the smaller body's size in a step. The motion of slower pairs is not cast.
 const FAST: f32 = 0.25;

@@ -334,10 +334,12 @@ fn solve(rows: &[Row], least: f32, [force, moment]: [Vec3; 2]) -> [Vec3; 2] {
     }
     // Without pivoting, which a positive definite matrix does not need.
     for i in 0..6 {
-        for k in i + 1..6 {
-            let factor = a[k][i] / a[i][i];
-            for j in i..7 {
-                a[k][j] -= factor * a[i][j];
+        let (done, below) = a.split_at_mut(i + 1);
+        let pivot = &done[i];
+        for row in below {
+            let factor = row[i] / pivot[i];
+            for (entry, of_pivot) in row[i..].iter_mut().zip(&pivot[i..]) {
+                *entry -= factor * of_pivot;
             }
         }
     }

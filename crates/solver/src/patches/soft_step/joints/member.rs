@@ -231,7 +231,8 @@ impl Member {
         (0..3)
             .map(|i| (axes[i], moments[(i + 1) % 3], moments[(i + 2) % 3]))
             .find_map(|(axis, one, other)| {
-                let is_its = 2.0 * axis.dot(spin).powi(2) > spin.length_squared();
+                let along = axis.dot(spin);
+                let is_its = 2.0 * along * along > spin.length_squared();
                 (is_its && (one - other).abs() < ALIKE * one).then_some(axis)
             })
     }

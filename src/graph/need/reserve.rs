@@ -26,7 +26,7 @@ const NOTHING: f32 = 1e-4;
 const TOUCHED: f32 = 5e-4;
 
 /// The same for other bodies: further down more presses on each body, and more bodies share the change.
-const PASSED: f32 = 5e-3;
+const PASSED: f32 = 1e-2;
 
 /// Share of a reserve that may be taken.
 const TAKEN: f32 = 0.5;

@@ -1,4 +1,4 @@
-//! Bodies that contacts hold: where they are slow and go on, the solver lets them creep.
+//! Bodies that dry contacts hold. If such a body moves on slowly, the solver lets it creep: nothing drives it.
 
 use super::edges::EdgeKind;
 use super::forces::Forces;

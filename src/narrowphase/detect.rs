@@ -85,7 +85,7 @@ pub(super) fn detect(
                 {
                     // Where they meet, another normal may count than the one between the places where they are nearest now.
                     let way = (a.pose.rotation.inverse() * way).as_dvec3();
-                    let mut there = Placement::between(at(a), at(b));
+                    let mut there = place;
                     there.origin += way;
                     let [part_a, part_b] = Part::two(form_a, form_b, there);
                     let search = Search {
@@ -95,10 +95,7 @@ pub(super) fn detect(
                     let mut meeting = Contact::default();
                     round::meet(&part_a, &part_b, search, None, &mut meeting);
                     if !meeting.points.is_empty() {
-                        for point in &mut meeting.points {
-                            point.distance += meeting.normal.dot(way);
-                            point.position -= 0.5 * way;
-                        }
+                        move_back(&mut meeting, way);
                         contact = meeting;
                     }
                 }
@@ -213,10 +210,15 @@ impl WithTwo for Two<'_> {
             ..search
         };
         meet(a, b, &there, search, &mut Axis::Unknown, contact);
-        for point in &mut contact.points {
-            point.distance += contact.normal.dot(way);
-            point.position -= 0.5 * way;
-        }
+        move_back(contact, way);
+    }
+}
+
+/// Turns the contact of two bodies where they meet into one where they are now. B moves by `way` relative to A until then, m, in A's frame.
+fn move_back(contact: &mut Contact, way: DVec3) {
+    for point in &mut contact.points {
+        point.distance += contact.normal.dot(way);
+        point.position -= 0.5 * way;
     }
 }
 

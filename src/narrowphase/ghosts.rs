@@ -48,29 +48,28 @@ pub(super) struct Surroundings<'a> {
 
 impl Surroundings<'_> {
     /// Removes the ghost contacts of a pair. `outer` is the distance beyond which a contact is outside of the envelope, m, and
-    /// `dt` the length of the step, s. Returns true if there
-    /// were some.
+    /// `dt` the length of the step, s.
     pub fn remove_ghosts(
         &self,
         slots: [u32; 2],
         bodies: [&BodyState; 2],
         (outer, dt): (f32, f32),
         manifold: &mut Manifold,
-    ) -> bool {
+    ) {
         let is_curved = bodies.iter().any(|body| body.is_curved());
         let are_convex = bodies
             .iter()
             .all(|body| body.shape().is_some_and(Shape::is_convex));
         // Seams between flat faces of convex bodies were looked at when the contact was detected: see `polyhedra/seams.rs`.
         if are_convex && !is_curved {
-            return false;
+            return;
         }
         let sides = [0, 1].map(|obstacle| Side::new(bodies, slots, obstacle, (outer, dt)));
         // Bodies that hardly move are not stopped.
         let [a, b] = bodies.map(|body| body.velocity.linear);
         let is_slow = (a - b).length() * dt < sides[0].flush;
         if is_slow || sides.iter().all(|side| side.is_smooth()) {
-            return false;
+            return;
         }
         let Manifold {
             patches, points, ..
@@ -108,7 +107,6 @@ impl Surroundings<'_> {
             let of_it = &points[patch.range_in(kept)];
             patch.center = of_it.iter().map(|point| point.arm).sum::<Vec3>() / of_it.len() as f32;
         }
-        kept < before
     }
 
     /// Returns true if a contact at a point of the obstacle's surface is covered by another piece. A normal is that of a face if the cosine between

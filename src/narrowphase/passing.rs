@@ -75,13 +75,13 @@ fn cast(a: &BodyState, b: &BodyState, near: f32, dt: f32) -> Result<Option<f32>,
     Ok(hit.map(|hit| hit.time_of_impact))
 }
 
-/// Distance up to which shapes count as near, beyond what was asked for, m.
+/// Distance up to which shapes touch, m.
 const TOUCH: f32 = 1e-5;
 
-/// Most casts need five steps. After so many the shapes count as near.
+/// Most casts need five steps. After so many the shapes count as touching.
 const STEPS: usize = 40;
 
-/// [`cast`] until two bodies touch. For convex shapes this is Newton's method for their distance: on a straight way the distance is a convex function of
+/// Returns the first time at which two bodies touch. For convex shapes this is Newton's method for their distance: on a straight way the distance is a convex function of
 /// time, and the normal of the closest points gives its slope, so no step goes too far. It takes longer than parry's cast, which misses some pairs that
 /// meet at their edges.
 fn cast_exactly(a: &BodyState, b: &BodyState, dt: f32) -> Result<Option<f32>, Unsupported> {

@@ -266,27 +266,13 @@ fn a_character_leaves_ground_that_falls_away() {
     for dt in [0.1, DT, 1.0 / 240.0] {
         let mut app = app();
         let world = app.world_mut();
-        let plate = world
-            .spawn((
-                RigidBody::Kinematic,
-                Collider::cuboid(3.0, 0.2, 3.0),
-                at(0.0, 49.9, 0.0),
-            ))
-            .id();
-        let other = world
-            .spawn((
-                RigidBody::Kinematic,
-                Collider::cuboid(3.0, 0.2, 3.0),
-                at(9.0, 49.9, 0.0),
-            ))
-            .id();
-        let gone = world
-            .spawn((
-                RigidBody::Static,
-                Collider::cuboid(3.0, 0.2, 3.0),
-                at(18.0, 49.9, 0.0),
-            ))
-            .id();
+        let mut lay = |kind: RigidBody, x: f32| {
+            let plate = (kind, Collider::cuboid(3.0, 0.2, 3.0), at(x, 49.9, 0.0));
+            world.spawn(plate).id()
+        };
+        let plate = lay(RigidBody::Kinematic, 0.0);
+        let other = lay(RigidBody::Kinematic, 9.0);
+        let gone = lay(RigidBody::Static, 18.0);
         let heroes = [0.0, 9.0, 18.0].map(|x| hero(world, Vec3::new(x, 50.81, 0.0)));
         steps_of(world, 3, dt);
         assert!(heroes.iter().all(|&hero| state(world, hero).stands()));

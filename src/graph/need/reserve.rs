@@ -243,14 +243,11 @@ impl Need<'_, '_, '_> {
         }
         let (pair, manifold, impulses) = contact;
         let is_a = pair.slots[0] == slot;
-        for (patch, range) in manifold
-            .patches_with_points()
-            .map(|(i, _, range)| (i, range))
-        {
-            let normal = manifold.patches[patch].normal;
-            let slack = slack(contact, patch, range.clone());
-            let tangents = [normal.any_orthonormal_vector(), Vec3::ZERO];
-            let tangents = [tangents[0], normal.cross(tangents[0])];
+        for (number, patch, range) in manifold.patches_with_points() {
+            let normal = patch.normal;
+            let slack = slack(contact, number, range.clone());
+            let tangent = normal.any_orthonormal_vector();
+            let tangents = [tangent, normal.cross(tangent)];
             for i in range {
                 let Some(point) = impulses.points.get(i).filter(|of| of.normal_force > 0.0) else {
                     continue;

@@ -141,8 +141,7 @@ pub struct Island<L: F32xN> {
     pub(super) grab_places: GrabPlaces,
     /// Joints. They are solved after all contacts of a sweep.
     pub(super) joints: Joints,
-    /// Whether there may be spinners. There are none in a step with blows.
-    pub(super) spins: bool,
+    /// None in a step with blows.
     pub(super) spinners: Spinners,
     /// Present once there are threads for it.
     pub(super) pipeline: Option<Pipeline>,
@@ -206,7 +205,6 @@ impl<L: F32xN> Island<L> {
             grabs: Vec::new(),
             grab_places: GrabPlaces::default(),
             joints: Joints::default(),
-            spins: false,
             spinners: Spinners::default(),
             pipeline: None,
         }

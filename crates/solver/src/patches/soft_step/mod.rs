@@ -83,7 +83,6 @@ use island::{skewed, stands_by_itself};
 use kept::{Kept, Scratch};
 use load_statistics::LoadStatistics;
 use quiet::{first_round, may_be_quiet};
-use spinners::Recentered;
 use std::f32::consts::TAU;
 use sweep_budget::SweepBudget;
 
@@ -224,15 +223,15 @@ impl SoftStep {
         let (budget, bounces) = self.begin::<L>(problem, &mut scratch);
         let gaps = Gaps::of(problem);
         let hits = blows::expected(problem, &gaps);
-        let recentered = match hits {
-            true => Recentered::default(),
-            false => Recentered::new(problem),
+        let mut tops = match hits {
+            true => spinners::Found::default(),
+            false => spinners::Found::of(problem),
         };
-        let spins = recentered.any();
+        let spins = !tops.is_empty();
         let straight = hits || spins || budget.downwards || !problem.joints.is_empty();
         let mut kept = Kept::<L>::of(kept, problem, self.lanes, batches, straight);
         let island = &mut kept.island;
-        island.spins = spins;
+        island.spinners.take(&mut tops);
         // With so few sweeps, passing blocks from core to core takes longer than a second thread saves.
         let threads = problem.threads;
         let may_be_quiet = !hits && island.alone && may_be_quiet(problem, bounces.is_some());
@@ -269,7 +268,7 @@ impl SoftStep {
             kept.island.part(problem);
         }
         kept.island.store(problem, self.followed(budget));
-        recentered.restore(problem);
+        tops.restore(problem);
         self.end(problem, bounces, budget.substeps);
         settling::damp(problem, &scratch.body_loads);
         kept.scratch = scratch;

@@ -85,45 +85,46 @@ fn spinners(problem: &PatchProblem) -> impl Iterator<Item = Spinner> {
     })
 }
 
-/// The patches of spinners as they were before their centres were moved to the points that touch.
+/// The spinners of a problem, and their patches as they were before the centres of these were moved to the points that touch.
 #[derive(Default)]
-pub struct Recentered {
+pub struct Found {
+    spinners: Vec<Spinner>,
     patches: Vec<(usize, [Vec3; 2])>,
     points: Vec<(usize, Vec3)>,
 }
 
-impl Recentered {
-    /// Moves the centres of the patches of spinners. Friction acts at the centre of a patch, and would hold a top at its rim otherwise.
-    pub fn new(problem: &mut PatchProblem) -> Self {
-        let mut before = Self::default();
+impl Found {
+    /// Finds the spinners, and moves the centres of their patches. Friction acts at the centre of a patch, and would hold a top at its rim otherwise.
+    /// Problems with joints have none, because joints turn their bodies in substeps anyway.
+    pub fn of(problem: &mut PatchProblem) -> Self {
+        let mut found = Self::default();
         if !problem.joints.is_empty() {
-            return before;
+            return found;
         }
-        let spinners: Vec<u32> = spinners(problem)
-            .map(|spinner| spinner.member.body)
-            .collect();
-        if spinners.is_empty() {
-            return before;
+        found.spinners.extend(spinners(problem));
+        if found.spinners.is_empty() {
+            return found;
         }
         for (number, patch) in problem.patches.iter_mut().enumerate() {
-            if !patch.bodies.iter().any(|body| spinners.contains(body)) {
+            let is_of = |spinner: &Spinner| patch.bodies.contains(&spinner.member.body);
+            if !found.spinners.iter().any(is_of) {
                 continue;
             }
             let shift = touching_center(patch, problem.points);
-            before.patches.push((number, patch.arms));
+            found.patches.push((number, patch.arms));
             patch.arms = patch.arms.both(|arm| arm + shift);
             for point in patch.range() {
                 let offset = &mut problem.points[point].offset;
-                before.points.push((point, *offset));
+                found.points.push((point, *offset));
                 *offset -= shift;
             }
         }
-        before
+        found
     }
 
-    /// Whether there are spinners.
-    pub fn any(&self) -> bool {
-        !self.patches.is_empty()
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.patches.is_empty()
     }
 
     /// Moves the centres back.
@@ -137,7 +138,7 @@ impl Recentered {
     }
 }
 
-/// The spinners of an island during a step. Bodies with joints are none, because joints turn their bodies in substeps anyway.
+/// The spinners of an island during a step.
 #[derive(Default)]
 pub struct Spinners {
     spinners: Vec<Spinner>,
@@ -173,20 +174,15 @@ impl Spinners {
         self.spinners.is_empty()
     }
 
-    /// Finds the spinners of a step, if there may be some. Islands with joints have none.
-    pub fn begin(
-        &mut self,
-        problem: &PatchProblem,
-        batches: &Batches,
-        substeps: usize,
-        spins: bool,
-    ) {
-        self.spinners.clear();
+    /// Takes over the spinners of the next step.
+    pub fn take(&mut self, found: &mut Found) {
+        self.spinners = std::mem::take(&mut found.spinners);
+    }
+
+    /// Begins a step.
+    fn begin(&mut self, problem: &PatchProblem, batches: &Batches, substeps: usize) {
         self.ends.clear();
         self.h = problem.dt / substeps as f32;
-        if spins && problem.joints.is_empty() {
-            self.spinners.extend(spinners(problem));
-        }
         if self.spinners.is_empty() {
             return;
         }
@@ -223,10 +219,9 @@ impl Spinners {
 }
 
 impl<L: F32xN> Island<L> {
-    /// Finds the spinners of a step.
+    /// Begins a step of the spinners.
     pub fn begin_spinners(&mut self, problem: &PatchProblem, substeps: usize) {
-        let spins = self.spins;
-        self.spinners.begin(problem, &self.batches, substeps, spins);
+        self.spinners.begin(problem, &self.batches, substeps);
         for end in &self.spinners.ends {
             // Friction of a finite spot would stop the spin.
             self.blocks[end.block].has_spots[end.lane] = 0.0;

@@ -7,9 +7,8 @@
 use super::gaps::Gaps;
 use super::island::{Island, batches, stands_by_itself};
 use super::quiet::{first_round, may_be_quiet};
-use super::spinners::Recentered;
 use super::sweep_budget::SweepBudget;
-use super::{Bounces, PatchSolver, SoftStep, blows, parting};
+use super::{Bounces, PatchSolver, SoftStep, blows, parting, spinners};
 use crate::lanes::F32xN;
 use crate::sort;
 use crate::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem, SolveReport};
@@ -184,10 +183,10 @@ impl SoftStep {
         let members = std::mem::take(&mut joint.members);
         let count = members.len();
         let mut problem = joint.problem(like, &mut memory);
-        let recentered = Recentered::new(&mut problem);
+        let mut tops = spinners::Found::of(&mut problem);
         let batches = batches(L::LANES, &problem);
         let mut island = Island::<L>::new(&problem, batches);
-        island.spins = recentered.any();
+        island.spinners.take(&mut tops);
         let budget = begun[0].budget;
         let (spring, passes) = (
             self.spring(budget, problem.dt),
@@ -228,7 +227,7 @@ impl SoftStep {
             _ => first.len(),
         };
         island.store(&mut problem, self.followed(budget));
-        recentered.restore(&mut problem);
+        tops.restore(&mut problem);
         let (free, last) = (
             island.by_owner(&island.missing, &owners, count),
             island.by_owner(&island.changes, &owners, count),

@@ -1,1 +1,0 @@
-//! Dominant bodies.

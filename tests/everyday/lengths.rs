@@ -1,1 +1,0 @@
-//! Steps of all lengths that are allowed.

@@ -6,6 +6,7 @@
 mod decompose;
 mod description;
 mod exceptions;
+mod first_touch;
 mod layer_mask;
 mod layers;
 mod material;
@@ -23,6 +24,7 @@ mod surface_velocity;
 pub use decompose::DecompositionSettings;
 pub use description::{ColliderShape, CompoundPart};
 pub use exceptions::CollisionExceptions;
+pub(crate) use first_touch::{Approach, TOUCH, first_touch};
 pub use layer_mask::{CollisionLayer, LayerMask};
 pub use layers::CollisionLayers;
 pub use material::{CombineRule, Friction, Restitution, RollingFriction};

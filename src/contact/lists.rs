@@ -133,6 +133,7 @@ mod tests {
             count: points as u32,
             curved: false,
             parts: Default::default(),
+            ahead: Vec3::ZERO,
         };
         Manifold {
             patches: std::iter::repeat_n(patch, patches).collect(),

@@ -317,6 +317,13 @@ impl Manifold {
         let arm = self.points[point].arm;
         [arm, arm + self.between]
     }
+
+    /// From the centres of mass of A and B to the centre of a patch when its points meet, world axes, m.
+    #[inline]
+    pub(crate) fn meeting_arms(&self, patch: &ManifoldPatch) -> [Vec3; 2] {
+        let (center, half) = (patch.center, 0.5 * patch.ahead);
+        [center + half, center + self.between - half]
+    }
 }
 
 /// Contact points with one normal.
@@ -341,6 +348,8 @@ pub struct ManifoldPatch {
     pub curved: bool,
     /// The colliders that touch here, if they are on child entities.
     pub parts: PatchParts,
+    /// How B moves relative to A from detection until the points meet, world axes, m; zero for points that touch.
+    pub ahead: Vec3,
 }
 
 impl ManifoldPatch {
@@ -633,7 +642,7 @@ pub struct Anchor {
 /// The sizes are pinned because stages iterate over columns of these: a wall of 1 000 bricks has 3 000 pairs, and a cache has 2 MB.
 const _: () = {
     assert!(size_of::<ContactPair>() <= 72);
-    assert!(size_of::<Manifold>() <= 168);
+    assert!(size_of::<Manifold>() <= 176);
     assert!(size_of::<ContactTargets>() <= 56);
     assert!(size_of::<ContactImpulses>() <= 168);
     assert!(size_of::<ContactAnchors>() <= 72);

@@ -71,6 +71,7 @@ pub(super) fn push(
         count: points.len() as u32,
         curved,
         parts: PatchParts::default(),
+        ahead: Vec3::ZERO,
     });
     manifold
         .points

@@ -4,8 +4,8 @@ use super::Rules;
 use super::candidates::{Candidate, Candidates, max_points, push};
 use super::forms::{Form, WithTwo, ours, with_two};
 use super::polyhedra::{
-    Axis, Contact, FeatureId, Placement, Point, Search, Solid, across, meet, meet_plane,
-    touch_along, touch_lengthwise,
+    Axis, Contact, FeatureId, Placement, Search, Solid, across, meet, meet_plane, touch_along,
+    touch_lengthwise,
 };
 use super::round::{self, Part};
 use super::{parry, passing, rolling};
@@ -79,26 +79,6 @@ pub(super) fn detect(
                 let [part_a, part_b] = Part::two(form_a, form_b, place);
                 let last = last_direction(old, at(a).1);
                 apart = round::meet(&part_a, &part_b, search, last, &mut contact) as f32;
-                let is_apart = |point: &Point| point.distance > search.graze;
-                if contact.points.iter().all(is_apart)
-                    && let Some(way) = passing::fast_motion_until_contact(a, b, rules.time.dt)
-                {
-                    // Where they meet, another normal may count than the one between the places where they are nearest now.
-                    let way = (a.pose.rotation.inverse() * way).as_dvec3();
-                    let mut there = place;
-                    there.origin += way;
-                    let [part_a, part_b] = Part::two(form_a, form_b, there);
-                    let search = Search {
-                        reach: search.graze,
-                        ..search
-                    };
-                    let mut meeting = Contact::default();
-                    round::meet(&part_a, &part_b, search, None, &mut meeting);
-                    if !meeting.points.is_empty() {
-                        move_back(&mut meeting, way);
-                        contact = meeting;
-                    }
-                }
             } else {
                 let two = Two {
                     bodies: [a, b],
@@ -196,29 +176,6 @@ impl WithTwo for Two<'_> {
             let reach = search.reach + 2.0 * flight as f64;
             touch_lengthwise(a, b, &place, (*axis, long), reach, contact);
         }
-        if distance > search.reach || !contact.points.is_empty() {
-            return;
-        }
-        let Some(way) = passing::motion_until_contact(body_a, body_b, dt) else {
-            return;
-        };
-        let way = (body_a.pose.rotation.inverse() * way).as_dvec3();
-        let mut there = place;
-        there.origin += way;
-        let search = Search {
-            reach: search.graze,
-            ..search
-        };
-        meet(a, b, &there, search, &mut Axis::Unknown, contact);
-        move_back(contact, way);
-    }
-}
-
-/// Turns the contact of two bodies where they meet into one where they are now. B moves by `way` relative to A until then, m, in A's frame.
-fn move_back(contact: &mut Contact, way: DVec3) {
-    for point in &mut contact.points {
-        point.distance += contact.normal.dot(way);
-        point.position -= 0.5 * way;
     }
 }
 

@@ -12,6 +12,7 @@ mod dispatcher;
 mod forms;
 mod ghosts;
 mod matching;
+mod meeting;
 mod modify;
 mod parry;
 mod passing;
@@ -292,6 +293,7 @@ fn look(
         let old = std::mem::take(manifold);
         manifold.between = a.center - b.center;
         let apart = detect::detect(rules, a, b, reach, cache, &old, manifold);
+        meeting::find(rules, [a, b], (apart, reach), manifold);
         let lost = match manifold.points.is_empty() && last.is_known() {
             true => since.lost(&old, cache, little),
             false => None,
@@ -314,6 +316,7 @@ fn look(
                 *manifold = Manifold::default();
                 cache.forget();
             }
+            meeting::look_ahead(rules, [a, b], reach, pair.slots, manifold);
             // A rolling point matches wherever it has rolled to.
             let radius = match curved {
                 true => f32::INFINITY,

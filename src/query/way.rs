@@ -1,6 +1,7 @@
 //! Casts of a shape against another, part by part.
 
 use super::touches::{Touches, contact, start};
+use crate::collider::{Approach, TOUCH, first_touch};
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose as ParryPose;
@@ -77,19 +78,7 @@ impl Way {
     }
 
     /// The first place on its way where a convex shape touches another one.
-    ///
-    /// This is Newton's method for the distance of the two. On a straight way it is a convex function of the place, and the normal of the closest
-    /// points is its slope, so no step goes too far, and shapes that do not come closer never meet. (Parry's cast searches in the Minkowski
-    /// difference. Where shapes pass at some millimetres, it finds hits that are none, and it misses some at grazing angles.)
     fn first_touch(&self, shape: &dyn Shape, other: &dyn Shape) -> Found {
-        /// Shapes that are no farther apart touch, m.
-        const TOUCH: f32 = 1e-5;
-        /// By how much the cosine of a normal may be wrong: parry stops when it knows the distance to a thousandth.
-        const DOUBT: f32 = 0.05;
-        /// Below this distance the doubt is not worth further steps, m.
-        const NEAR: f32 = 2e-3;
-        /// Most hits need five steps. Past a surface at a tenth of a millimetre there would be very many.
-        const STEPS: u32 = 60;
         /// The normal is that of the closest points so much before the hit, m, or where they are so far apart: the smaller the gap, the less is known
         /// about its direction.
         const BEFORE: f32 = 1e-3;
@@ -101,39 +90,22 @@ impl Way {
             at.translation += self.direction * way;
             contact(other, shape, &at, f32::MAX)
         };
-        let Some(mut touch) = at(0.0)? else {
-            // Of some shapes that overlap it knows no depth.
-            let options = ShapeCastOptions {
-                max_time_of_impact: self.max_distance,
-                ..Default::default()
-            };
-            let (from, direction) = (&self.from, self.direction);
-            return DefaultQueryDispatcher.cast_shapes(from, direction, other, shape, options);
+        let (way, mut touch, closing) = match first_touch(self.direction, self.max_distance, at)? {
+            Approach::Passes => return Ok(None),
+            Approach::Touches {
+                way,
+                touch,
+                closing,
+            } => (way, touch, closing),
+            Approach::Lost => {
+                let options = ShapeCastOptions {
+                    max_time_of_impact: self.max_distance,
+                    ..Default::default()
+                };
+                let (from, direction) = (&self.from, self.direction);
+                return DefaultQueryDispatcher.cast_shapes(from, direction, other, shape, options);
+            }
         };
-        let (mut way, mut closing) = (0.0, 1.0);
-        let mut shorter = 1.0;
-        for step in 0..STEPS {
-            if touch.dist <= TOUCH {
-                break;
-            }
-            let doubt = match touch.dist < NEAR || step > STEPS / 2 {
-                true => 0.0,
-                false => DOUBT,
-            };
-            closing = doubt - self.direction.dot(touch.normal1);
-            if closing <= 0.0 || closing * (self.max_distance - way) < touch.dist {
-                return Ok(None);
-            }
-            let on = shorter * touch.dist / closing;
-            // Parry fails for some shapes that nearly touch, or finds them deeper than they can be.
-            match at(way + on)? {
-                Some(next) if next.dist > touch.dist - on - NEAR => {
-                    (touch, way, shorter) = (next, way + on, 1.0);
-                }
-                _ if on < TOUCH => break,
-                _ => shorter *= 0.5,
-            }
-        }
         let back = BEFORE.max(APART / closing.max(FLATTEST));
         if way > 0.0
             && let Some(before) = at((way - back).max(0.0))?

@@ -286,7 +286,7 @@ impl SolverContact<'_> {
         let surface = self.surface(patch);
         let constraint = PatchConstraint {
             normal: patch.normal,
-            arms: [patch.center, patch.center + self.manifold.between],
+            arms: self.manifold.meeting_arms(patch),
             friction: surface.friction,
             restitution: surface.restitution,
             slip: self.slip(i),

@@ -435,6 +435,7 @@ fn contacts_put_between_two_islands_wait_for_the_next_step() {
                             count: 1,
                             curved: false,
                             parts: Default::default(),
+                            ahead: Vec3::ZERO,
                         }]
                         .into_iter()
                         .collect(),

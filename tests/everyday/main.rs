@@ -15,6 +15,7 @@ mod fast;
 mod hooks;
 mod joints;
 mod need;
+mod oblique;
 mod previews;
 mod queries;
 mod seams;

@@ -86,6 +86,7 @@ fn of(joint: &Joint, blocks: [usize; 2], rotation: DQuat, poses: &[Pose]) -> Man
         count: 4,
         curved: false,
         parts: Default::default(),
+        ahead: Vec3::ZERO,
     });
     manifold
 }

@@ -11,7 +11,7 @@ use super::passing;
 use crate::body::BodyState;
 use crate::contact::{Manifold, NarrowphaseCache};
 use crate::solver::Both;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 /// Bodies that move past each other by less than this share of the smaller one's size until they meet are not detected again.
 const ASIDE: f32 = 0.005;
@@ -36,7 +36,7 @@ pub(super) fn find(
     {
         // Only points that meet there, or bodies that pass each other would be stopped.
         let reach = rules.stabilization.outer_distance();
-        let moved = after([a, b], time, dt);
+        let moved = passing::after([a, b], time, dt);
         let mut found = detect_there(rules, &moved, reach, manifold);
         move_back(&mut found, [a, b], &moved, time);
         *manifold = found;
@@ -58,7 +58,7 @@ pub(super) fn look_ahead(
     if manifold.points.iter().all(|point| point.distance > outer)
         && let Some(time) = time_until_contact([a, b], manifold, dt)
     {
-        let moved = after([a, b], time, dt);
+        let moved = passing::after([a, b], time, dt);
         let mut found = detect_there(rules, &moved, reach, manifold);
         if !found.points.is_empty() {
             if let Some(around) = &rules.around {
@@ -106,7 +106,13 @@ fn tumbles([a, b]: [&BodyState; 2], dt: f32) -> bool {
 /// Returns when the first points of a contact close, s, if that is within `dt` and the bodies move past each other until then.
 fn time_until_contact([a, b]: [&BodyState; 2], manifold: &Manifold, dt: f32) -> Option<f32> {
     let is_plane = a.radius.max(b.radius) == f32::INFINITY;
-    if is_plane || a.is_slender() || b.is_slender() {
+    if is_plane {
+        return None;
+    }
+    if passing::sweeps_far([a, b], dt) {
+        return passing::time_until_contact(a, b, dt);
+    }
+    if a.is_slender() || b.is_slender() {
         return None;
     }
     if passing::is_fast(a, b, dt) {
@@ -127,24 +133,6 @@ fn time_until_contact([a, b]: [&BodyState; 2], manifold: &Manifold, dt: f32) -> 
     let (time, normal) = first;
     let aside = (b.velocity.linear - a.velocity.linear).reject_from_normalized(normal) * time;
     (normal != Vec3::ZERO && aside.length() > ASIDE * a.size.min(b.size)).then_some(time)
-}
-
-/// Two bodies after they have moved for a time, s, with their velocities at the start of the step. The meeting of fast bodies is searched without their
-/// rotation.
-fn after([a, b]: [&BodyState; 2], time: f32, dt: f32) -> [BodyState; 2] {
-    let turns = !passing::is_fast(a, b, dt);
-    [a, b].both(|body| {
-        let mut moved = body.clone();
-        moved.center += time * body.velocity.linear;
-        let mut arm = body.pose.position - body.center;
-        if turns {
-            let turn = Quat::from_scaled_axis(time * body.velocity.angular);
-            moved.pose.rotation = turn * body.pose.rotation;
-            arm = turn * arm;
-        }
-        moved.pose.position = moved.center + arm;
-        moved
-    })
 }
 
 /// Turns a contact of bodies that have `moved` for a time, s, into one where they are now.

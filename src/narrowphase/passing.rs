@@ -5,11 +5,12 @@
 //! of the step, and pairs that miss each other have no contact. Conversely, a pair without points that face each other, such as corner against
 //! corner, may have some before the end of the step.
 
-use crate::body::BodyState;
+use crate::body::{BodyState, Pose};
 use crate::collider::{Approach, first_touch};
 use crate::contact::Manifold;
 use crate::solver::Both;
-use parry3d::query::{ShapeCastOptions, Unsupported, cast_shapes, contact};
+use glam::{Quat, Vec3};
+use parry3d::query::{ShapeCastOptions, Unsupported, cast_shapes, contact, distance};
 
 /// A pair is fast if it moves at least this share of the smaller body's size in a step. The motion of slower pairs is not cast.
 const FAST: f32 = 0.25;
@@ -25,7 +26,12 @@ pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32,
 
 /// Returns the time until two bodies meet, or `dt` if that is shorter, s. Returns `None` if they hardly move, or pass each other.
 pub(super) fn time_until_contact(a: &BodyState, b: &BodyState, dt: f32) -> Option<f32> {
-    let (way, size) = (flight(a, b, dt), a.size.min(b.size));
+    let size = a.size.min(b.size);
+    let (way, sweep) = (flight(a, b, dt), sweep([a, b], dt));
+    if sweep > FAST * size {
+        let deeper = DEEPER * size / (way + sweep);
+        return Some((first_contact_of_turning([a, b], dt)? + deeper * dt).min(dt));
+    }
     if way < SLOW * size {
         return None;
     }
@@ -34,6 +40,51 @@ pub(super) fn time_until_contact(a: &BodyState, b: &BodyState, dt: f32) -> Optio
         true => Some((first_contact(a, b, 0.0, dt).ok()?? + DEEPER * size / way * dt).min(dt)),
         false => Some(dt),
     }
+}
+
+/// Two bodies after a time, s, with their velocities at the start of the step. The meeting of fast bodies is searched without their rotation, unless that
+/// sweeps far.
+pub(super) fn after([a, b]: [&BodyState; 2], time: f32, dt: f32) -> [BodyState; 2] {
+    let turns = !is_fast(a, b, dt) || sweeps_far([a, b], dt);
+    [a, b].both(|body| {
+        let mut moved = body.clone();
+        let (center, pose) = place_after(body, time, turns);
+        (moved.center, moved.pose) = (center, pose);
+        moved
+    })
+}
+
+/// The centre of mass (m) and the pose of a body after a time, s.
+fn place_after(body: &BodyState, time: f32, turns: bool) -> (Vec3, Pose) {
+    let center = body.center + time * body.velocity.linear;
+    let turn = match turns {
+        true => Quat::from_scaled_axis(time * body.velocity.angular),
+        false => Quat::IDENTITY,
+    };
+    let pose = Pose {
+        position: center + turn * (body.pose.position - body.center),
+        rotation: turn * body.pose.rotation,
+    };
+    (center, pose)
+}
+
+/// Whether the rotation of two bodies moves their surfaces by much in a step, as that of a door or of a ship does.
+pub(super) fn sweeps_far([a, b]: [&BodyState; 2], dt: f32) -> bool {
+    sweep([a, b], dt) > FAST * a.size.min(b.size)
+}
+
+/// Upper bound of how far rotation moves the surfaces of two bodies where they may meet, m. That of slender dynamic bodies is left out: a blow changes it at
+/// once, and their contacts are searched along their whole length.
+fn sweep([a, b]: [&BodyState; 2], dt: f32) -> f32 {
+    let apart = (a.center - b.center).length();
+    let way = |body: &BodyState, other: &BodyState| {
+        let arm = body.radius.min(apart + other.radius);
+        match body.is_dynamic() && body.is_slender() || body.velocity.angular == Vec3::ZERO {
+            true => 0.0,
+            false => body.velocity.angular.length() * arm * dt,
+        }
+    };
+    way(a, b) + way(b, a)
 }
 
 /// How far fast bodies are moved into each other to find the points in which they meet, as a share of the smaller one's size. Edges that meet exactly
@@ -88,4 +139,29 @@ fn first_contact(
     let (speed_a, speed_b) = (a.velocity.linear, b.velocity.linear);
     let hit = cast_shapes(&at_a, speed_a, shape_a, &at_b, speed_b, shape_b, options)?;
     Ok(hit.map(|hit| hit.time_of_impact))
+}
+
+/// Returns the first time within `dt` (s) at which two bodies that turn touch. No point moves farther than the bound of their motion allows, so the time goes on
+/// by that in which they could close their distance.
+fn first_contact_of_turning([a, b]: [&BodyState; 2], dt: f32) -> Option<f32> {
+    /// Most hits need ten steps. After so many the shapes count as touching.
+    const STEPS: usize = 50;
+    /// Shapes that are so near touch, as a share of the smaller one's size.
+    const NEAR: f32 = 1e-3;
+    let (shape_a, shape_b) = (a.shape()?, b.shape()?);
+    let speed = (flight(a, b, dt) + sweep([a, b], dt)) / dt;
+    let near = NEAR * a.size.min(b.size);
+    let mut time = 0.0;
+    for _ in 0..STEPS {
+        let [at_a, at_b] = [a, b].both(|body| place_after(body, time, true).1.to_parry());
+        let apart = distance(&at_a, shape_a, &at_b, shape_b).ok()?.distance;
+        if apart <= near {
+            break;
+        }
+        time += apart / speed;
+        if time > dt {
+            return None;
+        }
+    }
+    Some(time)
 }

@@ -97,61 +97,113 @@ fn none_of_a_thousand_pairs_that_meet_at_a_known_point_pass() {
     assert_eq!(passed, 0);
 }
 
-/// A bar that turns with an angular velocity, either by its `Velocity`, or drawn along by its `Transform`, hits what stands in its way. Returns how far round
-/// the ball was left behind, or `None` if it was struck.
-fn sweeps(body: Collider, turn: f32, by_transform: bool, far: f32, angle: f32) -> bool {
+/// How a bar of 8 m turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Turning {
+    /// About its middle, by its `Velocity`.
+    ByVelocity,
+    /// About its middle, by its `Transform`.
+    ByTransform,
+    /// About its end, by its `Transform`, as a gate.
+    AboutEnd,
+    /// A dynamic gate on a hinge at its end.
+    Hinged,
+}
+
+/// Whether a bar that turns at `turn` rad/s strikes a body that stands at a distance from the axis (m), at an angle (rad) ahead.
+fn strikes(bar: Turning, body: Collider, turn: f32, (far, angle): (f32, f32), dt: f32) -> bool {
     let mut app = app();
     let world = app.world_mut();
     world.resource_mut::<Gravity>().0 = Vec3::ZERO;
-    let spin = Velocity {
-        linear: Vec3::ZERO,
+    let pivot = match bar {
+        Turning::ByVelocity | Turning::ByTransform => 0.0,
+        Turning::AboutEnd | Turning::Hinged => 4.0,
+    };
+    let pose = |angle: f32| {
+        let turn = Quat::from_rotation_y(angle);
+        Transform::from_translation(turn * Vec3::X * pivot).with_rotation(turn)
+    };
+    let id = world
+        .spawn((Collider::cuboid(8.0, 2.0, 0.1), pose(0.0)))
+        .id();
+    let velocity_of = Velocity {
+        linear: Vec3::NEG_Z * pivot * turn,
         angular: Vec3::Y * turn,
     };
-    let bar = world
-        .spawn((
-            RigidBody::Kinematic,
-            Collider::cuboid(8.0, 2.0, 0.1),
-            at(0.0, 0.0, 0.0),
-        ))
-        .id();
-    if !by_transform {
-        world.entity_mut(bar).insert(spin);
+    match bar {
+        Turning::ByVelocity => world
+            .entity_mut(id)
+            .insert((RigidBody::Kinematic, velocity_of)),
+        Turning::Hinged => world
+            .entity_mut(id)
+            .insert((RigidBody::Dynamic, velocity_of)),
+        _ => world.entity_mut(id).insert(RigidBody::Kinematic),
+    };
+    if bar == Turning::Hinged {
+        world.spawn(
+            RevoluteJoint::new(None, id)
+                .with_anchor(Vec3::ZERO)
+                .with_hinge_axis(Vec3::Y),
+        );
     }
     let place = Quat::from_rotation_y(angle) * Vec3::X * far;
-    let body = world
-        .spawn((RigidBody::Dynamic, body, Transform::from_translation(place)))
-        .id();
-    let count = (1.2 * angle / turn / DT) as usize + 4;
-    for k in 0..count {
-        if by_transform {
-            let mut pose = world.get_mut::<Transform>(bar).unwrap();
-            pose.rotation = Quat::from_rotation_y(turn * (k + 1) as f32 * DT);
-        }
-        steps(world, 1);
+    let place = Transform::from_translation(place);
+    let body = world.spawn((RigidBody::Dynamic, body, place)).id();
+    if matches!(bar, Turning::ByTransform | Turning::AboutEnd) {
+        steps_of(world, 1, dt);
     }
-    velocity(world, body).linear.length() > 0.5 * turn * far
+    for k in 0..(1.2 * angle / turn / dt) as usize + 4 {
+        if matches!(bar, Turning::ByTransform | Turning::AboutEnd) {
+            *world.get_mut::<Transform>(id).unwrap() = pose(turn * (k + 1) as f32 * dt);
+        }
+        steps_of(world, 1, dt);
+    }
+    velocity(world, body).linear.length() > 0.4 * turn * far
 }
 
 #[test]
-fn doors_and_ships_that_turn_hit_what_is_in_their_way() {
-    let mut passed = Vec::new();
-    for turn in [2.0, 10.0, 20.0, 40.0] {
-        for by_transform in [false, true] {
+fn gates_and_ships_that_turn_strike_what_is_in_their_way() {
+    let bodies = [
+        Collider::ball(0.1),
+        cube(0.2),
+        Collider::capsule(0.07, 0.15),
+        Collider::cylinder(0.1, 0.2),
+    ];
+    let (mut passed, mut count) = (Vec::new(), 0);
+    // Bars that turn about their middle may turn by 0.67 rad in a step, those that turn about their end by half of that: their middle moves along the chord.
+    let rates = [
+        (2.0, DT),
+        (10.0, DT),
+        (20.0, DT),
+        (3.0, 0.1),
+        (40.0, 1.0 / 240.0),
+    ];
+    let fast = [(40.0, DT), (6.0, 0.1)];
+    for bar in [
+        Turning::ByVelocity,
+        Turning::ByTransform,
+        Turning::AboutEnd,
+        Turning::Hinged,
+    ] {
+        let more = match bar {
+            Turning::ByVelocity | Turning::ByTransform => &fast[..],
+            _ => &[],
+        };
+        for &(turn, dt) in rates.iter().chain(more) {
             for k in 0..40 {
-                let (far, angle) = (0.8 + 0.075 * k as f32, 0.6 + 0.055 * k as f32);
-                for (name, body) in [
-                    ("ball", Collider::ball(0.1)),
-                    ("cube", cube(0.2)),
-                    ("capsule", Collider::capsule(0.07, 0.15)),
-                ] {
-                    if !sweeps(body, turn, by_transform, far, angle) {
-                        passed.push(format!(
-                            "{name} at {far:.2} m, {turn} rad/s, {by_transform}"
-                        ));
+                let at = (0.8 + 0.075 * k as f32, 0.6 + 0.055 * k as f32);
+                for (i, body) in bodies.iter().enumerate() {
+                    count += 1;
+                    if !strikes(bar, body.clone(), turn, at, dt) {
+                        passed.push(format!("{bar:?}, body {i} at {at:?}, {turn} rad/s, {dt} s"));
                     }
                 }
             }
         }
     }
-    assert!(passed.is_empty(), "{} of 960: {passed:#?}", passed.len());
+    assert!(
+        passed.is_empty(),
+        "{} of {count}: {passed:#?}",
+        passed.len()
+    );
 }

@@ -42,10 +42,11 @@
 //! - Solid colliders, not other sensors, and not those of its own body.
 //! - Bodies whose [`CollisionLayers`](crate::collider::CollisionLayers) and [`CollisionExceptions`](crate::collider::CollisionExceptions) would let
 //!   them collide with it. The layers are those of the part and of the sensor, or else of their bodies.
+//! - Bodies that fly through it within a step, on the straight way between their poses at its start and its end. They are inside for that step.
+//!   Bodies that move by less than their thickness cannot.
 //!
-//! Shapes are compared exactly, and touching counts as overlap. Meshes and height fields are surfaces: they overlap what crosses them. A sensor is
-//! compared once a step, or substep of [`SolverSettings::outer_substeps`](crate::settings::SolverSettings), so a body that passes all of it within
-//! one step is not detected. [Spatial queries](crate::query) do not find sensors.
+//! Shapes are compared exactly, and touching counts as overlap. Meshes and height fields are surfaces: they overlap what crosses them.
+//! [Spatial queries](crate::query) do not find sensors.
 //!
 //! # Cost
 //!

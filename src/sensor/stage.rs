@@ -8,8 +8,9 @@ use crate::body::{BodyIndex, BodyState, BodyTable, PlacedActive, PlacedBodies, P
 use crate::broadphase::Broadphase;
 use crate::children::CompoundCollider;
 use crate::saving::Restored;
-use crate::solver::sort;
+use crate::solver::{Both, sort};
 use bevy_ecs::prelude::*;
+use parry3d::bounding_volume::BoundingVolume;
 
 type WithSensors<'w, 's> =
     Query<'w, 's, &'static BodyIndex, (With<RigidBody>, With<CompoundCollider>)>;
@@ -246,7 +247,9 @@ impl Stage<'_, '_, '_> {
             zone: shape,
             pose: tracked.pose,
         };
-        let mut slots: Vec<u32> = match box_of(shape, tracked.pose) {
+        let boxes = [body.pose, tracked.pose].both(|pose| box_of(shape, pose));
+        let whole = boxes[0].zip(boxes[1]).map(|(a, b)| a.merged(&b));
+        let mut slots: Vec<u32> = match whole {
             Some(aabb) => {
                 let near = self.broadphase.tree().intersect_aabb(&aabb);
                 near.chain(self.broadphase.outside()).collect()
@@ -270,7 +273,11 @@ impl Stage<'_, '_, '_> {
     /// Compares a body that has arrived, moved or changed with the zones near it.
     fn compare_body(&mut self, slot: u32, body: &BodyState, pose: Pose, compared: &[u32]) {
         let aabb = match body.shape() {
-            Some(shape) if body.radius.is_finite() => Some(shape.compute_aabb(&pose.to_parry())),
+            Some(shape) if body.radius.is_finite() => {
+                let [from, to] =
+                    [body.pose, pose].both(|pose| shape.compute_aabb(&pose.to_parry()));
+                Some(from.merged(&to))
+            }
             _ => None,
         };
         for zone in self.sensors.near(slot, aabb.as_ref()) {

@@ -172,3 +172,61 @@ fn loads_and_lists_of_who_touches_hold_for_bodies_that_arrive_asleep() {
     let after: Vec<_> = bodies.iter().map(|&body| told(world, body)).collect();
     assert_eq!(before, after);
 }
+
+/// A thin gate that stands or comes towards bodies, alone or as a part of a body.
+fn gate(world: &mut World, speed: f32, is_child: bool) {
+    let kind = match speed == 0.0 {
+        true => RigidBody::Static,
+        false => RigidBody::Kinematic,
+    };
+    let moves = Velocity::linear(Vec3::X * speed);
+    let gate = (Collider::cuboid(0.02, 2.0, 2.0), Sensor);
+    if is_child {
+        let post = (kind, cube(0.1), at(0.0, 5.0, 0.0), moves);
+        let post = world.spawn(post).id();
+        world.spawn((gate, ChildOf(post), at(0.0, -5.0, 0.0)));
+    } else {
+        world.spawn((gate, kind, at(0.0, 0.0, 0.0), moves));
+    }
+}
+
+/// Bodies fly through the gate in all phases of a step, or past it.
+#[test]
+fn what_flies_through_a_gate_is_detected_once() {
+    let two = [Vec3::ZERO, Vec3::X * 0.2].map(|at| (at, Quat::IDENTITY, cube(0.1)));
+    let bodies = [
+        Collider::ball(0.05),
+        cube(0.2),
+        Collider::capsule(0.05, 0.2),
+        Collider::compound(two.into()).unwrap(),
+    ];
+    let speeds = [
+        (20.0, 0.0),
+        (60.0, 0.0),
+        (300.0, 0.0),
+        (0.0, -150.0),
+        (40.0, -40.0),
+    ];
+    for (speed, gate_speed) in speeds {
+        for k in 0..24 {
+            for (aside, count) in [(0.4, 1), (1.5, 0)] {
+                for body in &bodies {
+                    let mut app = app();
+                    let world = app.world_mut();
+                    world.resource_mut::<Gravity>().0 = Vec3::ZERO;
+                    gate(world, gate_speed, k % 2 == 0);
+                    let far = 10.0 + 0.15 * k as f32;
+                    let moves = Velocity::linear(Vec3::X * speed);
+                    let start = at(-far, aside, 0.0);
+                    world.spawn((RigidBody::Dynamic, body.clone(), moves, start));
+                    let time = 2.0 * far / (speed - gate_speed);
+                    let found = events(world, (time / DT) as usize + 3);
+                    assert_eq!(
+                        found, [count; 2],
+                        "{speed}, {gate_speed} m/s, {aside} m, {k}"
+                    );
+                }
+            }
+        }
+    }
+}

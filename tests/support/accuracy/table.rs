@@ -122,7 +122,7 @@ pub static CASES: [Case; 29] = [
     case(
         "20: closed group",
         group_keeps_momentum,
-        "Soft Step divides a step into substeps, but the lever arms of a contact are those of the start of the step; see *Angular momentum of \
+        "Soft Step divides a step into substeps, but the lever arms of a contact are fixed during a step; see *Angular momentum of \
          collisions* below.",
     ),
     case("Hit of two bodies", hits, ""),
@@ -131,7 +131,7 @@ pub static CASES: [Case; 29] = [
         grazes,
         "The worst of five phases of a step in which the ball arrives. Soft Step applies restitution after its sweeps, without friction: the part of \
              the impulse that only this stage adds has none, and where the ball arrives late in the step that is all of it. Without restitution, friction \
-             in the step of the hit is a little low, or, at long steps, acts on a longer lever arm. NNCG and PGS: the contact is solved while the ball is \
+             in the step of the hit is a little low. NNCG and PGS: the contact is solved while the ball is \
              still up to v Δt away, and its lever arm is longer than the radius by that.",
     ),
     Case {

@@ -8,6 +8,7 @@ use super::Rules;
 use super::detect::detect;
 use super::forms::{Form, ours};
 use super::passing;
+use super::polyhedra::Axis;
 use crate::body::BodyState;
 use crate::contact::{Manifold, NarrowphaseCache};
 use crate::solver::Both;
@@ -16,8 +17,9 @@ use glam::Vec3;
 /// Bodies that move past each other by less than this share of the smaller one's size until they meet are not detected again.
 const ASIDE: f32 = 0.005;
 
-/// A body that moves by so many times its size in a step may be set spinning by a blow so fast that it turns by as many radians in the rest of the step. Its corners would pass through walls, since lever arms are frozen during a step. The long lever arms that they have at its start take
-/// the friction from the blow. A ball has no corners.
+/// A body that moves by more than so many times its size in a step keeps the lever arms that it has at the start of the step. With those that it has where it
+/// meets another body, friction would set it spinning by as many radians a step, and its corners would pass through walls, since lever arms are fixed during a
+/// step. Over the long way to the other body friction cannot turn it. A ball has no corners.
 const TUMBLING: f32 = 2.0;
 
 /// Finds the contact of two bodies whose faces do not face each other now, if they meet within the step. `apart` is a lower bound of their distance, and
@@ -37,7 +39,7 @@ pub(super) fn find(
         // Only points that meet there, or bodies that pass each other would be stopped.
         let reach = rules.stabilization.outer_distance();
         let moved = passing::after([a, b], time, dt);
-        let mut found = detect_there(rules, &moved, reach, manifold);
+        let mut found = detect_there(rules, &moved, (reach, Axis::Unknown), manifold);
         move_back(&mut found, [a, b], &moved, time);
         *manifold = found;
     }
@@ -47,8 +49,8 @@ pub(super) fn find(
 pub(super) fn look_ahead(
     rules: &Rules,
     [a, b]: [&BodyState; 2],
-    reach: f32,
     slots: [u32; 2],
+    (reach, axis): (f32, Axis),
     manifold: &mut Manifold,
 ) {
     let (outer, dt) = (rules.stabilization.outer_distance(), rules.time.dt);
@@ -59,7 +61,7 @@ pub(super) fn look_ahead(
         && let Some(time) = time_until_contact([a, b], manifold, dt)
     {
         let moved = passing::after([a, b], time, dt);
-        let mut found = detect_there(rules, &moved, reach, manifold);
+        let mut found = detect_there(rules, &moved, (reach, axis), manifold);
         if !found.points.is_empty() {
             if let Some(around) = &rules.around {
                 let moved = moved.each_ref();
@@ -75,13 +77,21 @@ pub(super) fn look_ahead(
     go_straight(rules, [a, b], manifold);
 }
 
-/// The contact of two bodies that have moved. `before` is that before.
-fn detect_there(rules: &Rules, moved: &[BodyState; 2], reach: f32, before: &Manifold) -> Manifold {
+/// The contact of two bodies that have moved. `axis` is that along which they are farthest apart before, as far as it is known.
+fn detect_there(
+    rules: &Rules,
+    moved: &[BodyState; 2],
+    (reach, axis): (f32, Axis),
+    before: &Manifold,
+) -> Manifold {
     let mut found = Manifold {
         between: before.between,
         ..Default::default()
     };
-    let cache = &mut NarrowphaseCache::default();
+    let cache = &mut NarrowphaseCache {
+        axis,
+        ..Default::default()
+    };
     let [a, b] = moved.each_ref();
     detect(rules, a, b, reach, cache, before, &mut found);
     found
@@ -93,6 +103,7 @@ fn have_faces([a, b]: [&BodyState; 2]) -> bool {
     matches!(ours(&form_a, &form_b), [Some(_), Some(_)])
 }
 
+/// Whether one of the bodies moves so far that a blow would make it tumble; see [`TUMBLING`].
 fn tumbles([a, b]: [&BodyState; 2], dt: f32) -> bool {
     let flight = passing::flight(a, b, dt);
     let is_ball = |body: &BodyState| body.shape().is_some_and(|shape| shape.as_ball().is_some());

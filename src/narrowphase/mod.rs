@@ -316,7 +316,7 @@ fn look(
                 *manifold = Manifold::default();
                 cache.forget();
             }
-            meeting::look_ahead(rules, [a, b], reach, pair.slots, manifold);
+            meeting::look_ahead(rules, [a, b], pair.slots, (reach, cache.axis), manifold);
             // A rolling point matches wherever it has rolled to.
             let radius = match curved {
                 true => f32::INFINITY,

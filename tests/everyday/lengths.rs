@@ -1,4 +1,5 @@
-//! Steps of very different lengths follow each other: slow motion, a pause, a hitch. What rests stays at rest, and what moves moves as far as it should.
+//! Steps of very different lengths follow each other: slow motion, a pause, a hitch. What rests stays at rest, and what falls or hits has the
+//! right speed.
 
 use super::*;
 use drystone::masonry::{Arch, Block};
@@ -70,7 +71,7 @@ fn balls(world: &mut World, place: Vec3) -> Vec<Entity> {
     balls
 }
 
-/// A chain of six links, a held arm, a weight on a spring, and a weight in a grab.
+/// A chain of six links, an arm that a servo holds, and a weight in a grab.
 fn joints(world: &mut World, place: Vec3) -> Vec<Entity> {
     let mut bodies = vec![];
     let mut above = None;
@@ -110,7 +111,7 @@ fn joints(world: &mut World, place: Vec3) -> Vec<Entity> {
     bodies
 }
 
-/// A bracket of bricks in mortar.
+/// The stack, in mortar.
 fn mortar(world: &mut World, place: Vec3) -> Vec<Entity> {
     let bodies = stack(world, place);
     for &body in &bodies {
@@ -273,7 +274,7 @@ fn point_solvers_hold_what_rests() {
     }
 }
 
-/// In slow motion a body that falls gains g·t. (It moves only as far as its coordinates can tell.)
+/// In slow motion a body that falls gains g·t. Its way is less exact: 50 m from the origin, ways below 2 µm a step are rounded to nothing.
 #[test]
 fn what_falls_gains_speed_in_slow_motion() {
     for (dt, count) in [(1e-6, 10_000), (1e-5, 2_000), (1e-4, 1_000)] {
@@ -285,11 +286,6 @@ fn what_falls_gains_speed_in_slow_motion() {
         steps_of(world, count, dt);
         let time = dt * count as f32;
         let gained = -velocity(world, ball).linear.y;
-        println!(
-            "{dt}: {gained} of {}, {}",
-            9.81 * time,
-            50.0 - position(world, ball).y
-        );
         assert!(
             (gained / (9.81 * time) - 1.0).abs() < 1e-3,
             "{dt} s: {gained} m/s after {time} s"
@@ -300,11 +296,6 @@ fn what_falls_gains_speed_in_slow_motion() {
             (gained / (9.81 * (time + 1.0)) - 1.0).abs() < 1e-3,
             "{dt} s: {gained} m/s"
         );
-        let (fell, right) = (
-            50.0 - position(world, ball).y,
-            0.5 * 9.81 * (time + 1.0) * (time + 1.0),
-        );
-        println!("{fell} {right}");
     }
 }
 

@@ -144,6 +144,7 @@ fn solvers(criterion: &mut Criterion) {
                             grabs: &mut [],
                             joints: &mut [],
                             dt: DT,
+                            longest: DT,
                             effort: 1.0,
                             free_merit,
                             record_history: false,

@@ -19,12 +19,18 @@ impl SolveRows for PointRows {
         joints: &mut [JointConstraint],
         (effort, context): (f32, &SolveContext),
     ) -> SolveReport {
+        // As for contacts, a force of the last step continues no longer than that step took.
+        let continues = context.time.carried() / context.time.dt;
+        for joint in &mut *joints {
+            joint.forces = joint.forces.map(|force| continues * force);
+        }
         let mut problem = PointProblem {
             bodies,
             constraints: &mut self.constraints,
             grabs,
             joints,
             dt: context.time.dt,
+            longest: context.time.max_recent_dt,
             effort,
             free_merit: 0.0,
             record_history: context.solver.record_history,

@@ -106,9 +106,7 @@ pub fn anchors(
                 };
                 fit(manifold, lists);
                 if by_pose {
-                    hold_patches(
-                        &friction, pair, manifold, impulses, bodies, anchors, time.dt,
-                    );
+                    hold_patches(&friction, pair, manifold, impulses, bodies, anchors, &time);
                 } else {
                     hold_points(&friction, pair, manifold, impulses, bodies, anchors);
                 }
@@ -165,7 +163,7 @@ fn hold_patches(
     impulses: &mut ContactImpulses,
     bodies: [&BodyState; 2],
     anchors: &mut ContactAnchors,
-    dt: f32,
+    time: &StepTime,
 ) {
     for (i, patch) in manifold.patches.iter().enumerate() {
         let anchor = &mut anchors.patches[i];
@@ -173,9 +171,10 @@ fn hold_patches(
         let dragged = std::mem::take(&mut impulses.patches[i].dragged);
         let coefficient = pair.surface_between(patch, bodies).friction;
         let rule = friction.classifier;
-        anchor.sticking = !patch.curved && holds(rule, coefficient, manifold, impulses, i, was, dt);
+        anchor.sticking =
+            !patch.curved && holds(rule, coefficient, manifold, impulses, i, was, time.dt);
         let stays = anchor.sticking
-            || anchor.set && creeps(friction.creep_speed, manifold, impulses, i, bodies);
+            || anchor.set && creeps(friction.creep_speed, manifold, impulses, i, bodies, time);
         if !stays {
             if anchor.set {
                 anchors.measured = None;
@@ -207,6 +206,7 @@ fn creeps(
     impulses: &ContactImpulses,
     number: usize,
     bodies: [&BodyState; 2],
+    time: &StepTime,
 ) -> bool {
     let patch = &manifold.patches[number];
     let range = manifold.range(patch);
@@ -215,13 +215,15 @@ fn creeps(
         force += point.normal_force;
         at_rest += point.rest_force;
     }
+    // In a step that is far shorter than others, the force is mostly that of the small velocities that it stopped, whatever the load.
+    let share = time.dt / time.max_recent_dt;
     let slow = |point: &ContactPoint| {
         let velocity = slip_velocity(bodies, patch.normal, bodies[0].center + point.arm);
         velocity.length() < creep_speed
     };
     !patch.curved
         && at_rest > 0.0
-        && (force - at_rest).abs() < STEADY * at_rest
+        && (force - at_rest).abs() * share < STEADY * at_rest
         && manifold.points[range].iter().all(slow)
 }
 

@@ -257,6 +257,11 @@ fn warm_start(
     patch.friction_impulse *= carried;
     patch.twist_impulse *= carried;
     patch.rolling_impulse *= carried;
+    if carried < held {
+        // As for normal impulses: what holds against a force at rest does so as long as the step.
+        patch.friction_impulse += (held - carried) * patch.rest_friction_impulse;
+        patch.twist_impulse += (held - carried) * patch.rest_twist_impulse;
+    }
     patch.rest_friction_impulse *= held;
     patch.rest_twist_impulse *= held;
     // A body that rolls has its load elsewhere in the next step. The mean load would push it on.

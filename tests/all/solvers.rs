@@ -127,6 +127,7 @@ fn solve_recording(graph: &Graph, solver: &dyn PointSolver, record_history: bool
         grabs: &mut [],
         joints: &mut [],
         dt: 1.0 / 60.0,
+        longest: 1.0 / 60.0,
         effort: 1.0,
         free_merit,
         record_history,

@@ -14,6 +14,7 @@ mod contacts;
 mod fast;
 mod hooks;
 mod joints;
+mod lengths;
 mod need;
 mod oblique;
 mod previews;

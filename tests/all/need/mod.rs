@@ -47,9 +47,13 @@ impl Site {
 
     /// A scene after three seconds.
     fn of(scene: &str, mode: Mode, dt: f32) -> Self {
+        Self::with(scene, &SceneOptions::default(), mode, dt)
+    }
+
+    fn with(scene: &str, options: &SceneOptions, mode: Mode, dt: f32) -> Self {
         let mut lab = Self::empty(mode, dt);
         let scene: Scene = scene.parse().expect("a scene");
-        let bricks = scene.build(&mut lab.world, &SceneOptions::default()).bodies;
+        let bricks = scene.build(&mut lab.world, options).bodies;
         lab.run(3.0);
         let site = Self { lab, bricks };
         if mode != Mode::Awake {

@@ -9,7 +9,8 @@ use crate::lanes::State;
 use glam::{Mat3, Vec3, Vec4};
 use std::cell::Cell;
 
-/// The share of an error of position that is corrected in a step.
+/// The share of an error of position that is corrected in the longest of recent steps. A short one corrects less: it would give the error of a long one a
+/// speed that the next long one follows.
 const SHARE: f32 = 0.2;
 
 /// Fastest correction, m/s and rad/s.
@@ -38,8 +39,8 @@ struct Row {
 }
 
 impl PlainJoint {
-    /// The joint in a step of `h` s; none if it has no effect.
-    pub fn new(joint: &JointConstraint, bodies: &[Body], h: f32) -> Option<Self> {
+    /// The joint in a step of `h` s, where the longest of recent ones took `longest`; none if it has no effect.
+    pub fn new(joint: &JointConstraint, bodies: &[Body], [h, longest]: [f32; 2]) -> Option<Self> {
         if !joint.acts(bodies) {
             return None;
         }
@@ -48,8 +49,8 @@ impl PlainJoint {
         let bend = geometry.bend(ends.both(|body| [body.linear, body.angular]));
         let times = Times {
             h,
-            left: h,
-            bias_rate: SHARE / h,
+            left: longest,
+            bias_rate: SHARE / longest,
             fastest: FASTEST,
         };
         let mut left = joint.forces.map(|force| h * force);
@@ -219,6 +220,7 @@ mod tests {
                 grabs: &mut [],
                 joints: &mut joints,
                 dt: DT,
+                longest: DT,
                 effort: 1.0,
                 free_merit: 1.0,
                 record_history: false,

@@ -53,6 +53,7 @@
 //!     grabs: &mut [],
 //!     joints: &mut [],
 //!     dt,
+//!     longest: dt,
 //!     effort: 1.0,
 //!     free_merit: 0.0,
 //!     record_history: false,
@@ -198,6 +199,8 @@ pub struct PointProblem<'a> {
     pub joints: &'a mut [JointConstraint],
     /// Length of the step, s.
     pub dt: f32,
+    /// The longest of recent steps, s; at least `dt`. Errors of position are corrected at the rate that it allows.
+    pub longest: f32,
     /// Multiple of the usual number of sweeps, at least 1.
     pub effort: f32,
     /// The merit of the free motion, √J, to which residuals are relative. See [`merit`].
@@ -251,7 +254,7 @@ impl PointProblem<'_> {
     fn plain_joints(&self) -> Vec<PlainJoint> {
         let joints = self.joints.iter();
         joints
-            .filter_map(|joint| PlainJoint::new(joint, self.bodies, self.dt))
+            .filter_map(|joint| PlainJoint::new(joint, self.bodies, [self.dt, self.longest]))
             .collect()
     }
 
@@ -315,7 +318,8 @@ impl PointProblem<'_> {
             self.grabs[i] = held.found();
         }
         for joint in &mut *self.joints {
-            let Some(mut plain) = PlainJoint::new(joint, self.bodies, self.dt) else {
+            let Some(mut plain) = PlainJoint::new(joint, self.bodies, [self.dt, self.longest])
+            else {
                 continue;
             };
             let ends = joint.bodies.both(|body| body as usize);

@@ -226,6 +226,7 @@ pub fn placed<L: F32xN>(
         substeps: SUBSTEPS,
         substeps_per_rigid_sweep: 3,
         downwards: false,
+        followed: 0.0,
         rate: 700.0,
     };
     let passes = SoftStep::default().plan(budget, DT);

@@ -317,7 +317,7 @@ impl SoftStep {
             true => TALL_SLOWDOWN,
             false => 1.0,
         };
-        (budget.sweeps() as f32 / (slower * self.preload_sweeps)).min(1.0)
+        (budget.followed / (slower * self.preload_sweeps)).min(1.0)
     }
 
     /// The sweeps of a step of `dt` s, in order.

@@ -58,6 +58,10 @@ pub struct SweepBudget {
     pub downwards: bool,
     /// The rate of sweeps that sets the stiffness of springs, 1/s.
     pub rate: f32,
+    /// Number of sweeps by which loads at rest follow. A step that is far shorter than the longest recent one has its least number of sweeps in nearly no
+    /// time: its forces are the velocities that it stopped, over that time. If loads followed them at once, the next long step would give these
+    /// velocities back many times.
+    pub followed: f32,
 }
 
 impl SweepBudget {
@@ -100,19 +104,19 @@ impl SweepBudget {
                 .max(settings.min_sweeps)
                 .min(settings.max_sweeps)
         };
+        let [now, longest] = [problem.dt, problem.longest].map(|dt| {
+            let substeps = substeps(sweeps(dt), soft);
+            (substeps, substeps + substeps.div_ceil(soft))
+        });
         // This is not the rate of whole rounds, or stiffness would jump with their number.
         let rate = rate.max(settings.min_sweeps as f32 / problem.longest);
         Self {
-            substeps: substeps(sweeps(problem.dt), soft),
+            substeps: now.0,
             substeps_per_rigid_sweep: soft,
             downwards,
             rate: rate.min(sweeps(problem.longest) as f32 / problem.longest),
+            followed: (now.1 as f32).min(longest.1 as f32 * (problem.dt / problem.longest)),
         }
-    }
-
-    /// Number of sweeps in a step, rigid ones included.
-    pub fn sweeps(&self) -> usize {
-        self.substeps + self.substeps.div_ceil(self.substeps_per_rigid_sweep)
     }
 }
 

@@ -233,12 +233,14 @@ impl Need<'_, '_, '_> {
         }
     }
 
-    /// The momentum with which an awake body hits a sleeping one in this step, kg·m/s; 0 if it does not.
+    /// The momentum with which an awake body hits a sleeping one in this step, kg·m/s; 0 if it does not, and infinite if it
+    /// [dominates](crate::body::Dominance) the sleeping one.
     fn momentum(&self, link: &Link, sleeper: u32, awake: &BodyState) -> f32 {
         let Some((_, manifold, _)) = self.forces.contact(link) else {
             return 0.0;
         };
-        let Some(a) = self.table.get(link.slots[0]) else {
+        let [Some(a), Some(asleep)] = [link.slots[0], sleeper].both(|slot| self.table.get(slot))
+        else {
             return 0.0;
         };
         // Normals point from B to A.
@@ -255,6 +257,7 @@ impl Need<'_, '_, '_> {
             }
         }
         match fastest > self.speed {
+            true if awake.dominates(asleep) => f32::INFINITY,
             true => awake.mass.mass() * fastest,
             false => 0.0,
         }

@@ -8,7 +8,8 @@
 //! - the change of the total force, and of the total moment divided by its radius, exceeds a share of what presses on it,
 //! - an awake body hits it, or the user pushes it. A body of the mass m that hits at the speed u can bring at most the mass m·u/v to the speed
 //!   v. So as much mass wakes around the point of impact, by contact distance, as can be made faster than the speed below which bodies count
-//!   as still. Otherwise the body would bounce off something infinitely heavy.
+//!   as still. Otherwise the body would bounce off something infinitely heavy. A body that [dominates](crate::body::Dominance) the one that it hits
+//!   wakes all that is connected with that.
 //! - a body near it has lost a contact whose force mattered. All that rests on that body wakes in the same step, so that it falls together;
 //!   and so do the bodies below that will feel the change. It is handed down as the load is: to each support in proportion to its force.
 //!

@@ -8,7 +8,8 @@
 //! - the change of the total force, and of the total moment divided by its radius, exceeds a share of what presses on it,
 //! - an awake body hits it, or the user pushes it. A body of the mass m that hits at the speed u can bring at most the mass m·u/v to the speed
 //!   v. So as much mass wakes around the point of impact, by contact distance, as can be made faster than the speed below which bodies count
-//!   as still. Otherwise the body would bounce off something infinitely heavy.
+//!   as still. Otherwise the body would bounce off something infinitely heavy. A body that [dominates](crate::body::Dominance) the one that it hits
+//!   wakes all that is connected with that.
 //! - a body near it has lost a contact whose force mattered. All that rests on that body wakes in the same step, so that it falls together;
 //!   and so do the bodies below that will feel the change. It is handed down as the load is: to each support in proportion to its force.
 //!
@@ -233,12 +234,14 @@ impl Need<'_, '_, '_> {
         }
     }
 
-    /// The momentum with which an awake body hits a sleeping one in this step, kg·m/s; 0 if it does not.
+    /// The momentum with which an awake body hits a sleeping one in this step, kg·m/s; 0 if it does not, and infinite if it
+    /// [dominates](crate::body::Dominance) the sleeping one.
     fn momentum(&self, link: &Link, sleeper: u32, awake: &BodyState) -> f32 {
         let Some((_, manifold, _)) = self.forces.contact(link) else {
             return 0.0;
         };
-        let Some(a) = self.table.get(link.slots[0]) else {
+        let [Some(a), Some(asleep)] = [link.slots[0], sleeper].both(|slot| self.table.get(slot))
+        else {
             return 0.0;
         };
         // Normals point from B to A.
@@ -255,6 +258,7 @@ impl Need<'_, '_, '_> {
             }
         }
         match fastest > self.speed {
+            true if awake.dominates(asleep) => f32::INFINITY,
             true => awake.mass.mass() * fastest,
             false => 0.0,
         }

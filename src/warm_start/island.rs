@@ -1,5 +1,6 @@
 //! The problem of one island: its bodies, contacts, joints and grabs.
 
+use super::backing::find_backed;
 use super::{IslandOrder, SolveContext, SolverContact, Splice};
 use crate::body::{BodyState, BodyTable, Velocity};
 use crate::revision::Revision;
@@ -45,13 +46,13 @@ pub(crate) struct GatherContext<'a> {
 
 impl GatherContext<'_> {
     /// The index of a body in its island, or `None` if it is not solved. The world has no slot.
-    fn local(&self, slot: u32) -> Option<u32> {
+    pub(super) fn local(&self, slot: u32) -> Option<u32> {
         let local = self.local.get(slot as usize).copied();
         local.filter(|&local| local != u32::MAX)
     }
 
     /// Whether each body of a contact [dominates](crate::body::Dominance) the other.
-    fn dominates(&self, contact: &SolverContact) -> [bool; 2] {
+    pub(super) fn dominates(&self, contact: &SolverContact) -> [bool; 2] {
         let both = self.table.both(contact.pair.slots);
         both.map_or([false; 2], |[a, b]| [a.dominates(b), b.dominates(a)])
     }
@@ -73,6 +74,10 @@ pub(crate) struct Island<R> {
     has_ends: bool,
     /// Whether it had joints when they were found.
     has_joints: bool,
+    /// Whether one of its bodies dominated another when they were found.
+    has_dominance: bool,
+    /// By contact: whether one body would dominate the other, but what it pushes is [backed](super::backing). Empty if no body dominates another.
+    backed: Vec<bool>,
     /// The edits of the order since the last step.
     edits: SmallVec<[Splice; 2]>,
     /// The grabs that hold some of the bodies.
@@ -176,6 +181,9 @@ impl<R: Rows> Island<R> {
         if !self.edits.is_empty() && !self.edit(contacts, from) {
             self.reset();
         }
+        if self.has_dominance {
+            self.keep_backed(contacts, from);
+        }
         if !self.has_ends {
             self.find_ends(contacts, from);
         }
@@ -196,8 +204,18 @@ impl<R: Rows> Island<R> {
         copies.zip(self.bodies.iter_mut().skip(self.dynamic))
     }
 
+    /// Finds the contacts in which dominance is suspended. If they are others than in the last step, the rows are between other bodies.
+    fn keep_backed(&mut self, contacts: &[SolverContact], from: &GatherContext) {
+        let backed = find_backed(contacts, from);
+        if backed != self.backed {
+            self.reset();
+            self.backed = backed;
+        }
+    }
+
     fn find_ends(&mut self, contacts: &[SolverContact], from: &GatherContext) {
         self.has_ends = true;
+        let mut has_dominance = false;
         self.has_joints = !self.joints.is_empty();
         let dynamic = self.bodies.len() as u32;
         let (copies, known) = (&mut self.copies, &mut self.copy_indices);
@@ -209,21 +227,36 @@ impl<R: Rows> Island<R> {
                 })
             })
         };
-        let ends = contacts.iter().map(|contact| {
+        let backed = &self.backed;
+        let ends = contacts.iter().enumerate().map(|(i, contact)| {
             let [a, b] = contact.pair.slots;
-            let [a_dominates, b_dominates] = from.dominates(contact);
-            [end(a, a_dominates), end(b, b_dominates)]
+            let mut dominates = from.dominates(contact);
+            if dominates != [false; 2] {
+                has_dominance = true;
+                // Static bodies dominate all.
+                let is_backed = backed.get(i).copied().unwrap_or(false);
+                dominates = dominates.both(|dominates| dominates && !is_backed);
+            }
+            [end(a, dominates[0]), end(b, dominates[1])]
         });
         self.ends.extend(ends);
         for slot in self.joint_slots.as_flattened() {
             end(*slot, false);
         }
+        let is_first = has_dominance && !self.has_dominance;
+        self.has_dominance = has_dominance;
+        if is_first {
+            self.keep_backed(contacts, from);
+            if !self.has_ends {
+                self.find_ends(contacts, from);
+            }
+        }
     }
 
     /// Replaces contacts, as their order was edited. Returns false if the copied bodies would be others, or in another order, than those of a
-    /// rebuild. Then the problem is in an unspecified state.
+    /// rebuild, and where bodies dominate others. Then the problem is in an unspecified state.
     fn edit(&mut self, contacts: &[SolverContact], from: &GatherContext) -> bool {
-        if !self.has_ends || self.has_joints || !self.joints.is_empty() {
+        if !self.has_ends || self.has_joints || !self.joints.is_empty() || self.has_dominance {
             return false;
         }
         let dynamic = self.bodies.len() as u32;
@@ -233,15 +266,15 @@ impl<R: Rows> Island<R> {
             let is_needed_before =
                 |&copy: &u32| copy < dynamic || self.ends[..at].as_flattened().contains(&copy);
             let leaving = &self.ends[at..at + removed];
-            let end = |slot: u32, dominates: bool| {
-                let local = from.local(slot).filter(|_| !dominates);
+            let end = |slot: u32| {
+                let local = from.local(slot);
                 local.or_else(|| self.copy_indices.get(&slot).copied())
             };
             // Later splices change neither these contacts nor those before them.
             let ends = contacts[at..at + added].iter().map(|contact| {
                 let [a, b] = contact.pair.slots;
-                let [a_dominates, b_dominates] = from.dominates(contact);
-                Some([end(a, a_dominates)?, end(b, b_dominates)?])
+                let dominates = from.dominates(contact) != [false; 2];
+                (!dominates).then_some([end(a)?, end(b)?])
             });
             let Some(ends) = ends.collect::<Option<SmallVec<[_; 4]>>>() else {
                 return false;

@@ -14,6 +14,7 @@
 //! - A [`Grab`] or a [joint](crate::joint) that is inserted, changed or removed takes effect in the next step.
 //! - Bodies and pairs that are despawned are still part of the solve, but nothing is stored for them.
 
+mod backing;
 mod contact;
 mod edits;
 mod island;

@@ -11,6 +11,7 @@ mod bytes;
 mod characters;
 mod children;
 mod contacts;
+mod dominance;
 mod fast;
 mod hooks;
 mod joints;

@@ -34,21 +34,19 @@ fn foot(scene: &str, columns: usize, mode: Mode, seed: u64) -> usize {
     usize::MAX
 }
 
-/// Rounding decides how long a wall of 20 × 20 stands by need: at five of nine places, 10 µm from each other, as long as awake, at four until the 15th to
-/// 17th brick. One of 12 × 10 does so at all of five.
+/// Rounding decides how long a wall of 20 × 20 stands, awake as by need: until the 11th to 17th brick at six places, 10 µm from each other. So the means are
+/// compared: 13.3 awake and 13.0 by need.
 #[test]
 fn a_wall_whose_foot_is_taken_falls_at_the_same_brick() {
-    for (scene, columns, places, least) in [("wall:20x20", 20, 3, 1), ("wall:12x10", 12, 4, 3)] {
-        let awake = foot(scene, columns, Mode::Awake, 0);
-        let need = (0..places).map(|seed| foot(scene, columns, Mode::Need, seed));
-        let need: Vec<usize> = need.collect();
-        println!("{scene} falls at brick {awake} awake, {need:?} by need");
-        let same = need.iter().filter(|need| awake.abs_diff(**need) <= 1);
-        let same = same.count();
-        assert!(
-            same >= least,
-            "{scene}: {same}, {need:?} instead of {awake}"
-        );
+    const PLACES: u64 = 6;
+    for (scene, columns, off) in [("wall:20x20", 20, 2.0), ("wall:12x10", 12, 1.0)] {
+        let [awake, need] = [Mode::Awake, Mode::Need].map(|mode| {
+            let bricks = (0..PLACES).map(|seed| foot(scene, columns, mode, seed));
+            let bricks: Vec<usize> = bricks.collect();
+            println!("{scene}, {mode:?}: falls at brick {bricks:?}");
+            bricks.iter().sum::<usize>() as f32 / PLACES as f32
+        });
+        assert!((awake - need).abs() <= off, "{scene}: {awake}, {need}");
     }
 }
 

@@ -8,8 +8,8 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The sources of a test's module.
-fn module(path: &str) -> Option<String> {
+/// The sources of the modules of a name, in all binaries.
+fn modules(path: &str) -> Vec<String> {
     let names = [
         format!("all/{path}.rs"),
         format!("all/{path}/mod.rs"),
@@ -18,16 +18,17 @@ fn module(path: &str) -> Option<String> {
         format!("{path}.rs"),
     ];
     let files = names.map(|name| root().join("tests").join(name));
-    files.iter().find_map(|file| read_to_string(file).ok())
+    let sources = files.iter().filter_map(|file| read_to_string(file).ok());
+    sources.collect()
 }
 
 /// Whether a path, or a test as `module::test`, is in the repository.
 fn exists(evidence: &str) -> bool {
     match evidence.rsplit_once("::") {
         Some((path, test)) => {
-            let source = module(&path.replace("::", "/"));
+            let sources = modules(&path.replace("::", "/"));
             let test = format!("fn {test}()");
-            source.is_some_and(|source| source.contains(&test))
+            sources.iter().any(|source| source.contains(&test))
         }
         None => root().join(evidence).exists(),
     }

@@ -2,11 +2,9 @@
 //!
 //! An island with many bodies is ordered anew only if its bodies have changed, or have another order because their level of support has
 //! changed. If only contacts have begun or ended, the bodies keep their order. The contacts of a body with the bodies below it stand together,
-//! so just those of the bodies that have changed are sorted again. The differences are [`Splice`]s. The problem of the island, and the state
-//! that its solver keeps, make the same edits. The result always equals that of a rebuild.
+//! so just those of the bodies that have changed are sorted again. The result always equals that of a rebuild.
 
 use super::order::{IslandOrder, NOWHERE, Order, OrderSlot, Source, number_edges};
-use super::splice::{Edit, Splice};
 use crate::body::BodyState;
 use crate::revision::Revision;
 use crate::solver::sort;
@@ -83,7 +81,7 @@ impl Order {
         let changed = self.changed_in(id).iter();
         locals.extend(changed.map(|&(_, slot)| self.local[slot as usize]));
         locals.sort_unstable();
-        let mut splices = SmallVec::new();
+        let mut first_changed = usize::MAX;
         let mut ended: SmallVec<[u32; 8]> = SmallVec::new();
         for local in locals {
             self.sort_contacts_of(id, local, from);
@@ -97,33 +95,27 @@ impl Order {
             let head = before.iter().zip(now).take_while(same).count();
             let tail = before[head..].iter().rev().zip(now[head..].iter().rev());
             let tail = tail.take_while(same).count();
-            let splice = Splice {
-                at: first + head,
-                removed: before.len() - tail - head,
-                added: now.len() - tail - head,
-            };
-            if (splice.removed, splice.added) == (0, 0) {
+            let at = first + head;
+            let removed = at..end - tail;
+            let added = &now[head..now.len() - tail];
+            if removed.is_empty() && added.is_empty() {
                 continue;
             }
-            let removed = splice.at..splice.at + splice.removed;
-            let added = &now[head..head + splice.added];
             let removed = slots.splice(removed, added.iter().map(|&(_, slot)| slot));
             ended.extend(removed.map(|slot| slot.edge));
-            splices.push(splice);
+            first_changed = first_changed.min(at);
         }
         // The number of an edge that ended may be that of another edge by now.
         for edge in ended {
             self.by_edge[edge as usize] = NOWHERE;
         }
         let island = &mut self.islands[id as usize];
-        if let Some(&Splice { at, .. }) = splices.first() {
-            number_edges(&mut self.by_edge, id, at, &island.slots);
+        if first_changed < usize::MAX {
+            number_edges(&mut self.by_edge, id, first_changed, &island.slots);
+            #[cfg(test)]
+            (self.edits += 1);
         }
         island.derived_from = from.islands.revision_of_id(id);
-        island.edit = Edit {
-            from: Some(island.revision),
-            splices,
-        };
         island.revision = Revision::next();
     }
 
@@ -138,10 +130,5 @@ impl IslandOrder {
     /// Whether the island is in order and large enough for edits.
     fn may_be_edited(&self) -> bool {
         self.derived_from.is_some() && self.bodies.len() >= MIN_BODIES
-    }
-
-    /// The edits by which the order was made from one with another revision, or `None` if it was computed anew.
-    pub fn edits_from(&self, revision: Option<Revision>) -> Option<&[Splice]> {
-        (revision.is_some() && self.edit.from == revision).then_some(&*self.edit.splices)
     }
 }

@@ -1,20 +1,16 @@
 //! The problem of one island: its bodies, contacts, joints and grabs.
 
 use super::backing::find_backed;
-use super::{IslandOrder, SolveContext, SolverContact, Splice};
+use super::{IslandOrder, SolveContext, SolverContact};
 use crate::body::{BodyState, BodyTable, Velocity};
 use crate::revision::Revision;
 use crate::solver::Both;
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
 use bevy_platform::collections::HashMap;
-use smallvec::SmallVec;
 
 /// The contacts of an island in the form that a kind of solver needs: points or patches.
 pub(crate) trait Rows: Default + Send + Sync {
     fn clear(&mut self);
-
-    /// Replaces contacts, as their order was edited. `contacts` are all contacts after all edits of this step, `added` the bodies of the inserted ones.
-    fn splice(&mut self, splice: Splice, contacts: &[SolverContact], added: &[[u32; 2]]);
 
     /// Number of contact points.
     fn points(&self) -> usize;
@@ -78,8 +74,6 @@ pub(crate) struct Island<R> {
     has_dominance: bool,
     /// By contact: whether one body would dominate the other, but what it pushes is [backed](super::backing). Empty if no body dominates another.
     backed: Vec<bool>,
-    /// The edits of the order since the last step.
-    edits: SmallVec<[Splice; 2]>,
     /// The grabs that hold some of the bodies.
     pub grabs: Vec<GrabConstraint>,
     /// The joints between the bodies.
@@ -122,16 +116,10 @@ impl<R: Rows> Island<R> {
     }
 
     /// Begins a step with the order of an island, or only those of its contacts that still exist. Data of the last step is kept if the order
-    /// is the same, or is edited if the order is.
+    /// is the same.
     pub fn begin(&mut self, id: u32, order: &IslandOrder, complete: bool) {
         let derived_from = complete.then_some(order.revision);
-        let edits = order.edits_from(self.derived_from);
-        let edits = edits.filter(|_| complete && order.contacts() > 0);
-        let is_same = complete && self.derived_from == derived_from;
-        self.edits.clear();
-        self.edits
-            .extend_from_slice(edits.filter(|_| !is_same).unwrap_or_default());
-        if !is_same && edits.is_none() {
+        if !complete || self.derived_from != derived_from {
             self.reset();
         }
         self.id = Some(id);
@@ -152,7 +140,6 @@ impl<R: Rows> Island<R> {
         self.copies.clear();
         self.copy_indices.clear();
         self.has_ends = false;
-        self.edits.clear();
         self.rows.clear();
     }
 
@@ -178,9 +165,6 @@ impl<R: Rows> Island<R> {
 
     /// Takes the contacts, and copies of the bodies that they touch and cannot move.
     pub fn gather(&mut self, contacts: &[SolverContact], from: &GatherContext) {
-        if !self.edits.is_empty() && !self.edit(contacts, from) {
-            self.reset();
-        }
         if self.has_dominance {
             self.keep_backed(contacts, from);
         }
@@ -251,42 +235,6 @@ impl<R: Rows> Island<R> {
                 self.find_ends(contacts, from);
             }
         }
-    }
-
-    /// Replaces contacts, as their order was edited. Returns false if the copied bodies would be others, or in another order, than those of a
-    /// rebuild, and where bodies dominate others. Then the problem is in an unspecified state.
-    fn edit(&mut self, contacts: &[SolverContact], from: &GatherContext) -> bool {
-        if !self.has_ends || self.has_joints || !self.joints.is_empty() || self.has_dominance {
-            return false;
-        }
-        let dynamic = self.bodies.len() as u32;
-        for splice in std::mem::take(&mut self.edits) {
-            let Splice { at, removed, added } = splice;
-            // A copy is numbered by the first contact that needs it, so that must not change.
-            let is_needed_before =
-                |&copy: &u32| copy < dynamic || self.ends[..at].as_flattened().contains(&copy);
-            let leaving = &self.ends[at..at + removed];
-            let end = |slot: u32| {
-                let local = from.local(slot);
-                local.or_else(|| self.copy_indices.get(&slot).copied())
-            };
-            // Later splices change neither these contacts nor those before them.
-            let ends = contacts[at..at + added].iter().map(|contact| {
-                let [a, b] = contact.pair.slots;
-                let dominates = from.dominates(contact) != [false; 2];
-                (!dominates).then_some([end(a)?, end(b)?])
-            });
-            let Some(ends) = ends.collect::<Option<SmallVec<[_; 4]>>>() else {
-                return false;
-            };
-            let mut copies = leaving.as_flattened().iter().chain(ends.as_flattened());
-            if !copies.all(is_needed_before) {
-                return false;
-            }
-            self.rows.splice(splice, contacts, &ends);
-            self.ends.splice(at..at + removed, ends);
-        }
-        self.ends.len() == contacts.len()
     }
 
     /// Sets the indices of the bodies of joints.

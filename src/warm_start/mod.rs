@@ -23,7 +23,6 @@ mod order;
 mod patches;
 mod points;
 mod problems;
-mod splice;
 
 use crate::body::{BodyIndex, BodyTable, Inactive, Simulated};
 use crate::contact::{MovingSurfaces, PairsMut};
@@ -47,7 +46,6 @@ pub(crate) use patches::PatchRows;
 pub(crate) use points::PointRows;
 pub(crate) use problems::{GrabbedBody, ProblemSet};
 pub use problems::{IslandProblem, IslandProblems};
-pub(crate) use splice::Splice;
 
 /// The settings and the time with which islands are gathered and solved.
 #[derive(SystemParam, Debug)]

@@ -8,7 +8,6 @@
 
 use super::Pairs;
 use super::contact::SolverContact;
-use super::splice::Edit;
 use crate::body::{BodyState, BodyTable, SpawnOrder, cover};
 use crate::contact::{ContactImpulses, ContactPair, Manifold, Part, revise_edited};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
@@ -28,6 +27,9 @@ pub(crate) struct Order {
     derived_from: Option<Revision>,
     /// By identity of an island.
     pub(super) islands: Vec<IslandOrder>,
+    /// Number of edits so far.
+    #[cfg(test)]
+    pub(super) edits: usize,
     /// Identities of islands, by number.
     numbered: Vec<u32>,
     /// By slot: the index of the body in the problem of its island; `u32::MAX` if it is in none.
@@ -53,8 +55,6 @@ pub(crate) struct IslandOrder {
     pub(super) derived_from: Option<Revision>,
     /// Revision of this order.
     pub revision: Revision,
-    /// How it was made from an earlier order.
-    pub(super) edit: Edit,
     /// The number of the island; `u32::MAX` if it has none.
     number: u32,
     /// Index of its first contact among those of all islands.
@@ -232,7 +232,6 @@ impl Order {
         let island = &mut self.islands[id as usize];
         island.derived_from = islands.revision_of_id(id);
         island.revision = Revision::next();
-        island.edit = Edit::default();
         let rank = |slot: u32| {
             let body = table.get(slot).filter(|body| is_solved(body));
             let body = body.filter(|_| !table.is_inactive(slot))?;

@@ -1,15 +1,12 @@
 //! The contacts of an island for patch solvers, from manifolds, slips and the impulses of the last step.
 
 use super::contact::start_impulse;
-use super::{Rows, SolveContext, SolverContact, Splice};
+use super::{Rows, SolveContext, SolverContact};
 use crate::body::make_room;
 use crate::contact::{ContactPoint, Impulse, ManifoldPatch};
-use crate::revision::Revision;
 use crate::settings::StepTime;
-use crate::solver::patches::PatchEdit;
 use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
-use smallvec::SmallVec;
 use std::ops::Range;
 
 #[derive(Default)]
@@ -35,54 +32,6 @@ impl Rows for PatchRows {
         self.curved.clear();
         self.surfaces.clear();
         self.memory.renew();
-    }
-
-    fn splice(&mut self, splice: Splice, contacts: &[SolverContact], added: &[[u32; 2]]) {
-        let Splice { at, removed, .. } = splice;
-        let patches = self.start_of(at)..self.start_of(at + removed);
-        let point = |patch: usize| {
-            let patch = self.patches.get(patch);
-            patch.map_or(self.points.len(), |patch| patch.first as usize)
-        };
-        let points = point(patches.start)..point(patches.end);
-        // Rows of contacts that begin. They have revisions that no pair has, so they are gathered with those that were detected anew.
-        let (mut firsts, mut begun) = (SmallVec::<[u32; 4]>::new(), SmallVec::<[_; 4]>::new());
-        let mut first = points.start as u32;
-        for (contact, &bodies) in contacts[at..].iter().zip(added) {
-            firsts.push((patches.start + begun.len()) as u32);
-            for (.., range) in contact.manifold.patches_with_points() {
-                let count = range.len() as u32;
-                begun.push(PatchConstraint {
-                    bodies,
-                    first,
-                    count,
-                    ..Default::default()
-                });
-                first += count;
-            }
-        }
-        let shift = |index: u32, before: usize, now: usize| index + now as u32 - before as u32;
-        let counts = (points.len(), first as usize - points.start);
-        for patch in &mut self.patches[patches.end..] {
-            patch.first = shift(patch.first, counts.0, counts.1);
-        }
-        for first in &mut self.firsts[at + removed..] {
-            *first = shift(*first, patches.len(), begun.len());
-        }
-        let gone = self.patches[patches.clone()].iter();
-        self.memory.edit(PatchEdit {
-            at: patches.start,
-            removed: gone.map(|patch| patch.bodies).collect(),
-            added: begun.len(),
-        });
-        let revisions = begun.iter().map(|_| Revision::next());
-        self.memory.patches_mut().splice(patches.clone(), revisions);
-        self.curved
-            .splice(patches.clone(), begun.iter().map(|_| false));
-        self.patches.splice(patches, begun);
-        let empty = std::iter::repeat_n(PatchPoint::default(), counts.1);
-        self.points.splice(points, empty);
-        self.firsts.splice(at..at + removed, firsts);
     }
 
     fn points(&self) -> usize {

@@ -1,6 +1,6 @@
 //! The contacts of an island for point solvers, from manifolds, targets and the impulses of the last step.
 
-use super::{Rows, SolveContext, SolverContact, Splice};
+use super::{Rows, SolveContext, SolverContact};
 use crate::settings::Columns;
 use crate::solver::{Body, PatchFrame, PointConstraint, PointInput};
 use glam::Vec3;
@@ -20,10 +20,6 @@ impl Rows for PointRows {
     fn clear(&mut self) {
         self.constraints.clear();
         self.firsts.clear();
-    }
-
-    fn splice(&mut self, _: Splice, _: &[SolverContact], _: &[[u32; 2]]) {
-        // They are gathered anew in every step.
     }
 
     fn points(&self) -> usize {

@@ -18,7 +18,6 @@
 
 use super::Body;
 use super::rounds::{RoundEnds, Rounds, Waits};
-use std::ops::Range;
 
 /// The contacts of each block.
 pub struct Batches {
@@ -200,47 +199,6 @@ impl Batches {
         let contacts = |block| Batches::block(self, block).map(|(_, contact)| contact);
         self.rounds
             .ends((0..self.blocks()).map(contacts), first_seat)
-    }
-
-    /// Replaces contacts `at..at + removed` by `added` others, which have no block yet. Returns the blocks that have lost a contact.
-    pub fn splice(&mut self, at: usize, removed: usize, added: usize) -> Vec<usize> {
-        let (first, end) = (at as u32, (at + removed) as u32);
-        let mut lost = Vec::new();
-        for (place, slot) in self.slots.iter_mut().enumerate() {
-            if *slot >= end && *slot != NONE {
-                *slot = *slot - end + first + added as u32;
-            } else if *slot >= first && *slot != NONE {
-                *slot = NONE;
-                lost.push(place / self.lanes);
-            }
-        }
-        self.contacts = self.contacts + added - removed;
-        lost
-    }
-
-    /// By contact: its block, or [`usize::MAX`] if it has none.
-    pub fn places(&self) -> Vec<usize> {
-        let mut places = vec![usize::MAX; self.contacts];
-        for (place, &contact) in self.slots.iter().enumerate() {
-            if contact != NONE {
-                places[contact as usize] = place / self.lanes;
-            }
-        }
-        places
-    }
-
-    /// Puts a contact into a free lane of one of some blocks, or else into a new block after them. Returns the block, and whether it is new.
-    pub fn insert(&mut self, contact: u32, within: Range<usize>) -> (usize, bool) {
-        let lanes = self.lanes;
-        let slots = &self.slots[within.start * lanes..within.end * lanes];
-        let free = slots.iter().position(|&slot| slot == NONE);
-        let place = free.map_or(within.end * lanes, |free| within.start * lanes + free);
-        if free.is_none() {
-            let empty = std::iter::repeat_n(NONE, lanes);
-            self.slots.splice(place..place, empty);
-        }
-        self.slots[place] = contact;
-        (place / lanes, free.is_none())
     }
 
     /// Number of blocks.

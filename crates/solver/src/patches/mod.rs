@@ -13,7 +13,6 @@ use super::{Body, GrabConstraint, JointConstraint, SolveReport};
 pub use constraint::{PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
 pub use memory::Memory;
-pub use memory::PatchEdit;
 pub use soft_step::SoftStep;
 pub use soft_step::settle;
 

@@ -184,8 +184,6 @@ pub struct Block<L: F32xN> {
     pub(super) gives: L,
     pub(super) first: u32,
     pub(super) count: u32,
-    /// The entry that lanes write to which have no patch, or a body that nothing moves.
-    pub(super) null_target: u32,
 }
 
 /// Points of a block: the i-th point of each of its patches.
@@ -217,7 +215,6 @@ impl<L: F32xN> Block<L> {
         Self {
             bodies: [L::bodies(null_body); 2],
             targets: [L::bodies(null_target); 2],
-            null_target,
             has_spots: L::ONE,
             ..Default::default()
         }

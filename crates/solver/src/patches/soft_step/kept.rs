@@ -20,8 +20,6 @@ pub struct Kept<L: F32xN> {
     /// Present if blocks are skewed.
     skewed: Option<SkewedSweeps>,
     pub blows: Blows<L>,
-    /// Number of edits since the blocks were found.
-    pub edits: usize,
     pub scratch: Scratch,
 }
 
@@ -92,7 +90,6 @@ impl<L: F32xN> Kept<L> {
             straight_for: Vec::new(),
             skewed: None,
             blows: Blows::default(),
-            edits: 0,
             scratch: Scratch::default(),
         }
     }

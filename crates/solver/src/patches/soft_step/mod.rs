@@ -40,7 +40,6 @@ mod blows;
 mod carry;
 mod cold_start;
 mod edges;
-mod edit;
 mod gaps;
 mod grabs;
 mod halves;
@@ -167,7 +166,6 @@ impl PatchSolver for SoftStep {
     }
 
     fn solve(&self, problem: &mut PatchProblem) -> SolveReport {
-        edit::take_over_edits(problem);
         let mut found = None;
         match self.width(problem, &mut found) {
             #[cfg(target_arch = "x86_64")]

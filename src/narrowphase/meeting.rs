@@ -1,4 +1,4 @@
-//! Contacts of bodies that meet later in the step, where they meet.
+//! Detection of contacts at the place where two bodies will meet later in the step.
 //!
 //! Contacts are detected at the start of a step. Bodies that are still apart then may meet with other faces than those that are nearest now, and with other
 //! lever arms. So their contact is detected once more, with both bodies where they meet, and moved back along their motion. This gives oblique
@@ -36,7 +36,7 @@ pub(super) fn find(
         && have_faces([a, b])
         && let Some(time) = passing::time_until_contact(a, b, dt)
     {
-        // Only points that meet there, or bodies that pass each other would be stopped.
+        // Points that do not touch there would stop bodies that pass each other.
         let reach = rules.stabilization.outer_distance();
         let moved = passing::after([a, b], time, dt);
         let mut found = detect_there(rules, &moved, (reach, Axis::Unknown), manifold);
@@ -120,14 +120,12 @@ fn time_until_contact([a, b]: [&BodyState; 2], manifold: &Manifold, dt: f32) -> 
     if is_plane {
         return None;
     }
-    if passing::sweeps_far([a, b], dt) {
+    let is_slender = a.is_slender() || b.is_slender();
+    if passing::sweeps_far([a, b], dt) || !is_slender && passing::is_fast(a, b, dt) {
         return passing::time_until_contact(a, b, dt);
     }
-    if a.is_slender() || b.is_slender() {
+    if is_slender {
         return None;
-    }
-    if passing::is_fast(a, b, dt) {
-        return passing::time_until_contact(a, b, dt);
     }
     let mut first = (dt, Vec3::ZERO);
     for (.., patch, range) in manifold.patches_with_points() {

@@ -91,7 +91,7 @@ fn sweep([a, b]: [&BodyState; 2], dt: f32) -> f32 {
 /// would only graze each other.
 const DEEPER: f32 = 0.1;
 
-/// Whether the pair is fast.
+/// Whether the pair moves by at least the share [`FAST`] of the smaller body's size in a step.
 pub(super) fn is_fast(a: &BodyState, b: &BodyState, dt: f32) -> bool {
     flight(a, b, dt) >= FAST * a.size.min(b.size)
 }
@@ -141,8 +141,8 @@ fn first_contact(
     Ok(hit.map(|hit| hit.time_of_impact))
 }
 
-/// Returns the first time within `dt` (s) at which two bodies that turn touch. No point moves farther than the bound of their motion allows, so the time goes on
-/// by that in which they could close their distance.
+/// Returns the first time within `dt` (s) at which two bodies that turn touch. This is conservative advancement: the time advances by the distance over an upper
+/// bound of the speed at which surfaces approach each other.
 fn first_contact_of_turning([a, b]: [&BodyState; 2], dt: f32) -> Option<f32> {
     /// Most hits need ten steps. After so many the shapes count as touching.
     const STEPS: usize = 50;

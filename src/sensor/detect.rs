@@ -56,7 +56,7 @@ impl Detector<'_> {
         }
         let zone = &**self.zone.shape.shape();
         let still = ParryPose::IDENTITY;
-        // What was inside at the start leaves.
+        // A shape that overlaps the zone at the start is leaving it.
         if intersection_test(&still, zone, &was, shape).is_ok_and(|found| found.intersecting) {
             return false;
         }

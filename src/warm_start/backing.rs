@@ -1,15 +1,14 @@
 //! Backing: where static bodies keep a body from giving way to one that [dominates](crate::body::Dominance) it.
 //!
 //! Static and kinematic bodies dominate all, so nothing can be pressed through them. A push on a body is *backed* if the contacts behind the
-//! body cannot but bear it:
+//! body must bear it:
 //! - A push on a static or kinematic body is backed, and so is one on a sleeping body, which is solved as a static one.
 //! - A push on another body is backed if the normals of contacts, through which pushes are backed in turn, add up to one against it.
 //!
-//! Two bodies that share a face jam between them what they push at an angle below the sum of their angles of friction, and let go of it
-//! otherwise. Coefficients of friction do not matter here: a push counts as backed up to [45°](PAST), where it is half against the contacts and
-//! half past them. So the floor backs what presses on a body from above, but not what pushes the body over the floor.
+//! Coefficients of friction do not matter: a push counts as backed up to an angle of [45°](PAST) with the normals, where half of it is against the
+//! contacts and half past them. So the floor backs a push from above, but not one along the floor.
 //!
-//! What is backed is found from the contacts with static bodies on, from body to body, so each contact is passed once in each direction.
+//! The search starts at contacts with static bodies and goes from body to body, so it passes each contact once in each direction.
 
 use super::{GatherContext, SolverContact};
 use crate::body::BodyState;
@@ -52,7 +51,7 @@ pub(super) fn find_backed(contacts: &[SolverContact], from: &GatherContext) -> V
     if !dominant.contains(&[true, false]) && !dominant.contains(&[false, true]) {
         return Vec::new();
     }
-    // What a dominant body pushes may close a gap in this step.
+    // A body that is pushed by a dominant one may close a gap in this step.
     let pushing = contacts.iter().zip(&dominant).filter(|(_, d)| d[0] || d[1]);
     let reach = pushing.map(|(contact, _)| approach(contact, from));
     let reach = reach.fold(0.0, f32::max);

@@ -68,8 +68,6 @@ pub(crate) struct Island<R> {
     copy_indices: HashMap<u32, u32>,
     /// Whether the ends of contacts and joints are known.
     has_ends: bool,
-    /// Whether it had joints when they were found.
-    has_joints: bool,
     /// Whether one of its bodies dominated another when they were found.
     has_dominance: bool,
     /// By contact: whether one body would dominate the other, but what it pushes is [backed](super::backing). Empty if no body dominates another.
@@ -200,7 +198,6 @@ impl<R: Rows> Island<R> {
     fn find_ends(&mut self, contacts: &[SolverContact], from: &GatherContext) {
         self.has_ends = true;
         let mut has_dominance = false;
-        self.has_joints = !self.joints.is_empty();
         let dynamic = self.bodies.len() as u32;
         let (copies, known) = (&mut self.copies, &mut self.copy_indices);
         let mut end = |slot: u32, dominates: bool| {

@@ -147,7 +147,7 @@ fn dominant_bodies_on_each_other_are_carried() {
     }
 }
 
-/// On a table, a dominant body is as any other, to the bit.
+/// A dominant body on a table moves as any other body does, to the bit.
 #[test]
 fn a_table_carries_a_dominant_body() {
     let stand = |site: Site, dominance: i8| {
@@ -291,9 +291,9 @@ fn a_bulldozer_stops_at_a_wall() {
     }
 }
 
-/// What can give way gives way at the speed of the dominant body, also over the floor and while it sleeps.
+/// A dominant body pushes free bodies at its own speed, also over the floor and while they sleep.
 #[test]
-fn what_is_free_to_move_is_pushed_at_exactly_the_speed() {
+fn free_bodies_are_pushed_at_exactly_its_speed() {
     for site in sites() {
         for (sleep, count) in [(false, 1), (true, 1), (true, 4)] {
             let mut app = site.app();

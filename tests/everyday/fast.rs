@@ -162,7 +162,7 @@ fn strikes(bar: Turning, body: Collider, turn: f32, (far, angle): (f32, f32), dt
 }
 
 #[test]
-fn gates_and_ships_that_turn_strike_what_is_in_their_way() {
+fn turning_gates_and_ships_strike_bodies_in_their_way() {
     let bodies = [
         Collider::ball(0.1),
         cube(0.2),

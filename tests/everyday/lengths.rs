@@ -1,5 +1,5 @@
-//! Steps of very different lengths follow each other: slow motion, a pause, a hitch. What rests stays at rest, and what falls or hits has the
-//! right speed.
+//! Steps of very different lengths follow each other: slow motion, a pause, a hitch. Structures stay at rest, and bodies that
+//! fall or hit have the right speed.
 
 use super::*;
 use drystone::masonry::{Arch, Block};
@@ -175,7 +175,7 @@ fn rests(what: &str, settling: usize, place: Vec3, lengths: impl Iterator<Item =
 /// A stack of twelve reached 15 m/s: in a tiny step, loads at rest followed the forces by as much as in a usual one, and these forces were the smallest
 /// velocities over a millionth of a second. An arch reached 9 mm/s, as its friction began anew after each tiny step.
 #[test]
-fn what_rests_stays_at_rest_when_steps_are_short_or_long_at_times() {
+fn structures_stay_at_rest_when_some_steps_are_short_or_long() {
     for dt in [1e-7, 1e-6, 3e-6, 1e-5, 1e-4, 1e-3, 1.0 / 240.0, 0.1] {
         rests(
             &format!("{dt} s"),
@@ -187,7 +187,7 @@ fn what_rests_stays_at_rest_when_steps_are_short_or_long_at_times() {
 }
 
 #[test]
-fn what_rests_stays_at_rest_in_steps_of_every_length_in_turn() {
+fn structures_stay_at_rest_in_steps_of_every_length_in_turn() {
     let lengths = [1e-7, 0.1, 1e-6, DT, 1e-3, 1e-5, 1.0 / 240.0, 1e-4];
     rests(
         "mixed",
@@ -198,7 +198,7 @@ fn what_rests_stays_at_rest_in_steps_of_every_length_in_turn() {
 }
 
 #[test]
-fn what_rests_stays_at_rest_in_slow_motion_and_after_it() {
+fn structures_stay_at_rest_in_slow_motion_and_after_it() {
     for dt in [1e-7, 1e-6, 1e-4] {
         let lengths = (0..1000).map(|_| dt).chain((0..60).map(|_| DT));
         rests(&format!("{dt} s"), 240, Vec3::ZERO, lengths);
@@ -214,7 +214,7 @@ fn what_rests_stays_at_rest_in_slow_motion_and_after_it() {
 
 /// The first step of a world is a tiny one.
 #[test]
-fn what_is_built_in_slow_motion_rests() {
+fn structures_built_in_slow_motion_rest() {
     for dt in [1e-7, 1e-6, 1e-5, 1e-4] {
         let lengths = (0..300).map(|_| dt).chain((0..60).map(|_| DT));
         rests(&format!("from {dt} s"), 0, Vec3::ZERO, lengths);
@@ -223,7 +223,7 @@ fn what_is_built_in_slow_motion_rests() {
 
 /// Bricks and balls; coordinates are rounded to 60 µm there, so an arch trembles in any steps.
 #[test]
-fn what_rests_far_from_the_origin_stays_at_rest() {
+fn structures_far_from_the_origin_stay_at_rest() {
     for (name, scene) in SCENES.into_iter().filter(|(name, _)| *name != "arch") {
         for dt in [1e-7, 1e-6, 1e-4, 0.1] {
             let place = Vec3::new(1000.0, 0.0, -500.0);
@@ -241,7 +241,7 @@ fn what_rests_far_from_the_origin_stays_at_rest() {
 
 /// A wall and an arch under the point solvers, which hold them less exactly in even steps too.
 #[test]
-fn point_solvers_hold_what_rests() {
+fn point_solvers_hold_structures_at_rest() {
     let iterations = 300;
     let solvers = [
         SolverSettings::new(Pgs {
@@ -276,7 +276,7 @@ fn point_solvers_hold_what_rests() {
 
 /// In slow motion a body that falls gains g·t. Its way is less exact: 50 m from the origin, ways below 2 µm a step are rounded to nothing.
 #[test]
-fn what_falls_gains_speed_in_slow_motion() {
+fn falling_bodies_gain_speed_in_slow_motion() {
     for (dt, count) in [(1e-6, 10_000), (1e-5, 2_000), (1e-4, 1_000)] {
         let mut app = app();
         let world = app.world_mut();

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// What a ball that bounces along a floor keeps: its angular momentum about the floor. When it rolls at last, it has 5/7 of its speed.
+/// A ball that bounces along a floor keeps its angular momentum about the floor, so it has 5/7 of its speed when it rolls at last.
 #[test]
 fn a_ball_that_bounces_along_a_floor_rolls_at_last() {
     for dt in [1.0 / 10.0, 1.0 / 30.0, DT, 1.0 / 240.0] {

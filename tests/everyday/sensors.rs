@@ -192,7 +192,7 @@ fn gate(world: &mut World, speed: f32, is_child: bool) {
 
 /// Bodies fly through the gate in all phases of a step, or past it.
 #[test]
-fn what_flies_through_a_gate_is_detected_once() {
+fn bodies_that_fly_through_a_gate_are_detected_once() {
     let two = [Vec3::ZERO, Vec3::X * 0.2].map(|at| (at, Quat::IDENTITY, cube(0.1)));
     let bodies = [
         Collider::ball(0.05),

@@ -1,5 +1,5 @@
-//! A step of scenes with joints once they have settled: a chain of 40 links with 100 kg, a bridge of 40 planks with 10 t, 20 ragdolls; walls in
-//! mortar at rest, and while their last brick is pushed to and fro.
+//! A step of scenes with joints once they have settled: a chain of 40 links with 100 kg, a bridge of 40 planks with 10 t, 20 ragdolls;
+//! walls in mortar at rest, and while their last brick is pushed to and fro.
 //!
 //! ```text
 //! cargo bench --bench joints

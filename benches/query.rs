@@ -1,5 +1,5 @@
-//! The time of queries: spatial queries among ten thousand bricks (a wall of 400 × 25), supports in a wall of 40 × 25, and previews and stability in a
-//! wall of 10 × 10 (stability with `--features stability`).
+//! The time of queries: spatial queries among ten thousand bricks (a wall of 400 × 25), supports in a wall of 40 × 25, and previews and
+//! stability in a wall of 10 × 10 (stability with `--features stability`).
 //!
 //! ```text
 //! cargo bench --bench query

@@ -1,5 +1,5 @@
-//! What a sensor costs: a zone over 1 000 sleeping bodies, and one through which 1 000 bodies fall. Timed is the stage *sensors* inside whole
-//! steps, by drystone's own [`Profile`].
+//! What a sensor costs: a zone over 1 000 sleeping bodies, and one through which 1 000 bodies fall. Timed is the stage *sensors* inside
+//! whole steps, by drystone's own [`Profile`].
 //!
 //! ```text
 //! cargo bench --bench sensors

@@ -1,7 +1,7 @@
 //! A character climbs stairs of loose bricks, and pushes a crate off the top: `cargo run --release --example character`.
 //!
-//! The step moves the character by the component [`Character`]: the game only says where it wants to go. It weighs nothing on what it stands on,
-//! and the bricks stay where they were put. The crate that it runs into it pushes with a limited force.
+//! The step moves the character by the component [`Character`]: the game only says where it wants to go. It weighs nothing on what it
+//! stands on, and the bricks stay where they were put. The crate that it runs into it pushes with a limited force.
 
 use bevy_app::App;
 use bevy_ecs::entity::Entity;

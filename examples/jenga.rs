@@ -1,7 +1,8 @@
 //! A player of Jenga, who looks before it pulls: takes planks out of a tower and lays them on top, until nothing is safe.
 //!
 //! Before each move it asks of one plank after the other, those first that bear least, what would fall without it ([`preview`]), pulls it
-//! out on a copy of the tower ([`Shadow`]), and asks how far that could be tilted then ([`stability`]). It takes the first that is safe, and ends when none is.
+//! out on a copy of the tower ([`Shadow`]), and asks how far that could be tilted then ([`stability`]). It takes the first that is safe,
+//! and ends when none is.
 //!
 //! ```text
 //! cargo run --release -p drystone-examples --features stability --example jenga -- [LAYERS [LEAST_TILT_IN_DEGREES]]

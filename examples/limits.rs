@@ -4,8 +4,8 @@
 //! With names of families (`-- tilts columns wedges flat_arches arches`) it bisects only those.
 //!
 //! `tilts` says where a structure on a slope falls at 60 Hz, 30 Hz and a Δt of 0.1 s, in % of its limit, built there or built upright and
-//! tipped slowly. `~` marks a structure that does not come to rest just short of that. The other families are built in four ways, of hulls and
-//! of their true contacts, at once and under weight that grows slowly.
+//! tipped slowly. `~` marks a structure that does not come to rest just short of that. The other families are built in four ways, of hulls
+//! and of their true contacts, at once and under weight that grows slowly.
 
 use std::error::Error;
 use std::fmt::{Display, Formatter, Result as FmtResult, Write};
@@ -47,7 +47,8 @@ fn fresh(dt: f32, structure: &Structure) -> Found {
     Found { at, shakes }
 }
 
-/// Built upright and tipped: first continuously, then by 1 % at a time with pauses of seconds, so that bodies that have begun to fall are detected.
+/// Built upright and tipped: first continuously, then by 1 % at a time with pauses of seconds, so that bodies that have begun to fall are
+/// detected.
 fn settled(dt: f32, structure: &Structure) -> Found {
     let mut slope = Slope::new(structure, dt, 0.0);
     let mut shakes = false;

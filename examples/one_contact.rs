@@ -1,12 +1,13 @@
-//! The cost of one contact that begins or ends in a wall of 10 000 bricks that is awake: the time of the step with the change, minus that of a
-//! step without. The contact is one of the wall's own, or that of two bricks beside it, which are another island.
+//! The cost of one contact that begins or ends in a wall of 10 000 bricks that is awake: the time of the step with the change, minus that
+//! of a step without. The contact is one of the wall's own, or that of two bricks beside it, which are another island.
 //!
 //! ```text
 //! cargo run --release --example one_contact -- [--courses 99] [--at 0.5 | --beside] [--changes 20]
 //! ```
 //!
-//! A system between *narrowphase* and *islands* takes the points out of a manifold and puts them back. Prints the least and the median time of
-//! steps in which nothing changes, in which the contact ends and in which it begins, by stage. For counts of instructions instead of times:
+//! A system between *narrowphase* and *islands* takes the points out of a manifold and puts them back. Prints the least and the median time
+//! of steps in which nothing changes, in which the contact ends and in which it begins, by stage. For counts of instructions instead of
+//! times:
 //!
 //! ```text
 //! valgrind --tool=callgrind --collect-atstart=no --toggle-collect='one_contact::begins' target/release/examples/one_contact --changes 1

@@ -1,13 +1,13 @@
-//! The cost of playing on a wall that sleeps: every half second a brick is laid on it, a ball of 4 kg is thrown at it, a brick is laid, and one
-//! is taken. Everything is at its defaults, on one thread.
+//! The cost of playing on a wall that sleeps: every half second a brick is laid on it, a ball of 4 kg is thrown at it, a brick is laid, and
+//! one is taken. Everything is at its defaults, on one thread.
 //!
 //! ```text
 //! cargo run --release --example play -- [--scene wall:40x25] [--seconds 15] [--wreck | --touch] [--islands]
 //! ```
 //!
-//! At a scene that is not a wall (`heap:300`), balls are thrown while it falls together. `--wreck` throws a ball of 524 kg at 20 m/s into the
-//! middle of a wall. Prints the mean, the 99th percentile and the longest of the steps, and the mean number of bodies awake. `peers/` does the
-//! same in Rapier.
+//! At a scene that is not a wall (`heap:300`), balls are thrown while it falls together. `--wreck` throws a ball of 524 kg at 20 m/s into
+//! the middle of a wall. Prints the mean, the 99th percentile and the longest of the steps, and the mean number of bodies awake. `peers/`
+//! does the same in Rapier.
 
 use clap::Parser;
 use drystone::settings::{PhysicsThreads, Preset, SleepSettings, Waking};

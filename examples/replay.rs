@@ -2,11 +2,12 @@
 //!
 //! `cargo run --release -p drystone-tests --example replay -- crash.drystone --step 300 --threads 4`
 //!
-//! It says how many bodies there are, and which step and which body differs first from what was recorded, if one does. The world has all plugins of
-//! drystone that simulate. A game with hooks of contacts or systems between the stages replays its recordings itself, as this example does.
+//! It says how many bodies there are, and which step and which body differs first from what was recorded, if one does. The world has all
+//! plugins of drystone that simulate. A game with hooks of contacts or systems between the stages replays its recordings itself, as this
+//! example does.
 //!
-//! `… -- --record wall.drystone --scene wall:10x10 --steps 600` makes a recording: of a player who lays bricks, takes them and throws balls.
-//! `… -- --cost` measures what recording costs.
+//! `… -- --record wall.drystone --scene wall:10x10 --steps 600` makes a recording: of a player who lays bricks, takes them and throws
+//! balls. `… -- --cost` measures what recording costs.
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;

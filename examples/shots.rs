@@ -18,8 +18,8 @@ use support::*;
 const BALL: f32 = 200.0;
 const SPEED: f32 = 15.0;
 
-/// The initial positions of balls, m: in front of the middle of the wall, a little beside the bed joint at half its height. So a ball strikes at least
-/// two bricks. A single brick that is struck nearly leaves the wall, and chance decides whether it does.
+/// The initial positions of balls, m: in front of the middle of the wall, a little beside the bed joint at half its height. So a ball
+/// strikes at least two bricks. A single brick that is struck nearly leaves the wall, and chance decides whether it does.
 const FROM: [Vec3; 5] = [
     Vec3::new(0.0, 2.0, -2.0),
     Vec3::new(0.13, 2.07, -2.0),

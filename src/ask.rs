@@ -1,5 +1,6 @@
-//! Asking a world outside of a system: the functions [`spatial_query`](crate::query::spatial_query), [`contacts`](crate::contact::contacts()) and
-//! [`supports`](crate::contact::supports()) build the system parameter of the same name and hand it to a closure.
+//! Asking a world outside of a system: the functions [`spatial_query`](crate::query::spatial_query),
+//! [`contacts`](crate::contact::contacts()) and [`supports`](crate::contact::supports()) build the system parameter of the same name and
+//! hand it to a closure.
 
 use bevy_ecs::system::{ReadOnlySystemParam, SystemParamItem, SystemState};
 use bevy_ecs::world::World;

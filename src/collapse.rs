@@ -288,8 +288,8 @@ pub(crate) struct WatchedBody {
 type Watched<'w, 's> = Query<'w, 's, WatchedBody, With<RigidBody>>;
 
 impl WatchedBodyItem<'_, '_> {
-    /// The threshold of a body that is looked at in this step. Inactive bodies only matter when they become inactive, because they then stand,
-    /// and when their [`Watch`] changes.
+    /// The threshold of a body that is looked at in this step. Inactive bodies only matter when they become inactive, because they then
+    /// stand, and when their [`Watch`] changes.
     fn watch(&self) -> Option<Watch> {
         let watch = self.watch.as_ref()?;
         let inactive = self.inactive.as_ref();

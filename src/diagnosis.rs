@@ -64,8 +64,8 @@ pub enum BodyProblem {
         limits::LARGEST
     )]
     DegenerateShape,
-    /// The scale of its `Transform`, multiplied with those of the entities above it, is zero along some axis or not finite, makes its shape too small or
-    /// too large, or mirrors a height field. Negative scales mirror other shapes.
+    /// The scale of its `Transform`, multiplied with those of the entities above it, is zero along some axis or not finite, makes its shape
+    /// too small or too large, or mirrors a height field. Negative scales mirror other shapes.
     #[error(
         "the scale of its `Transform`, with those of the entities above it, is zero along some axis, not finite, negative for a height field, or makes the size of its shape not between {:.0e} and {:.0e} m",
         limits::SMALLEST,
@@ -186,8 +186,8 @@ impl MapEntities for BodyProblem {
 /// Mass ratio of two touching bodies from which on it is reported, because an iterative solver converges slowly.
 pub const EXTREME_MASS_RATIO: f32 = 5e3;
 
-/// Mass ratio of two jointed bodies from which on it is reported. A load of as many times the mass of a bracket of 1 m that carries it bends the bracket
-/// by 14 mm, and one of ten times as many breaks away.
+/// Mass ratio of two jointed bodies from which on it is reported. A load of as many times the mass of a bracket of 1 m that carries it
+/// bends the bracket by 14 mm, and one of ten times as many breaks away.
 pub const EXTREME_JOINT_RATIO: f32 = 1e5;
 
 impl BodyProblem {

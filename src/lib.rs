@@ -1,13 +1,13 @@
-//! **Drystone** is a rigid-body contact library for Bevy that is made for dry masonry: walls, stacks and arches stay where they were put, at large
-//! time steps and with few solver iterations.
+//! **Drystone** is a rigid-body contact library for Bevy that is made for dry masonry: walls, stacks and arches stay where they were put,
+//! at large time steps and with few solver iterations.
 //!
-//! Sticking contacts are held by anchors, and penetration is removed by a correction that lets contacts settle, after Silcowitz-Hansen, Niebe and
-//! Erleben, "Normal and Friction Stabilization Techniques for Interactive Rigid Body Constraint-based Contact Force Computations" (VRIPHYS 2010).
-//! The paper's own settings and solvers are a [preset](settings::Preset::Paper). The default solver is [`SoftStep`](solver::SoftStep), which is
-//! steadier and faster.
+//! Sticking contacts are held by anchors, and penetration is removed by a correction that lets contacts settle, after Silcowitz-Hansen,
+//! Niebe and Erleben, "Normal and Friction Stabilization Techniques for Interactive Rigid Body Constraint-based Contact Force Computations"
+//! (VRIPHYS 2010). The paper's own settings and solvers are a [preset](settings::Preset::Paper). The default solver is
+//! [`SoftStep`](solver::SoftStep), which is steadier and faster.
 //!
-//! Everything is data in an ECS. Bodies, contact pairs, manifolds, impulses and anchors are components, and a step is a sequence of systems. Each of
-//! them can be inspected, timed and replaced.
+//! Everything is data in an ECS. Bodies, contact pairs, manifolds, impulses and anchors are components, and a step is a sequence of
+//! systems. Each of them can be inspected, timed and replaced.
 //!
 //! ```
 //! use bevy_app::App;
@@ -53,13 +53,13 @@
 //! | sensors | [`sensor`] | | `Pose`, [`Sensor`](sensor::Sensor) | [`SensorOverlaps`](sensor::SensorOverlaps), messages, entity events |
 //! | contact events | [`contact`] | | pairs | messages, entity events |
 //!
-//! The order is defined in [`schedule`]. [`settings`] holds the settings, [`diagnosis`] the errors about invalid input, and [`profile`] the time of every
-//! system.
+//! The order is defined in [`schedule`]. [`settings`] holds the settings, [`diagnosis`] the errors about invalid input, and [`profile`] the
+//! time of every system.
 //!
 //! # Questions about the world
 //!
-//! Each question has a system parameter and a function. Use the parameter in a system, and the function where you have the world. [`refresh`] makes
-//! edits since the last step visible to queries.
+//! Each question has a system parameter and a function. Use the parameter in a system, and the function where you have the world.
+//! [`refresh`] makes edits since the last step visible to queries.
 //!
 //! | question | in a system | with a world |
 //! |---|---|---|

@@ -1,8 +1,7 @@
 //! The plugins: one for each concern, so that each can be disabled or replaced.
 //!
-//! [`DrystonePlugins`] adds them all. They may also be added one by one and in any order. All of them need [`StepPlugin`]: without it the app
-//! panics at [`Plugin::finish`] with a message that names it, and [`step`](crate::step()) returns
-//! [`StepError::MissingPlugin`].
+//! [`DrystonePlugins`] adds them all. They may also be added one by one and in any order. All of them need [`StepPlugin`]: without it the
+//! app panics at [`Plugin::finish`] with a message that names it, and [`step`](crate::step()) returns [`StepError::MissingPlugin`].
 
 use crate::body::{self, BodyTable, Pending};
 use crate::broadphase::{self, Broadphase};
@@ -93,7 +92,8 @@ impl PluginGroup for DrystonePlugins {
     }
 }
 
-/// Adds the [`PhysicsSchedule`], the settings and all other resources of a step, and the system that takes steps. Every other plugin needs it.
+/// Adds the [`PhysicsSchedule`], the settings and all other resources of a step, and the system that takes steps. Every other plugin needs
+/// it.
 #[derive(Debug)]
 pub struct StepPlugin {
     /// The schedule in which steps are taken.
@@ -180,8 +180,8 @@ fn take_step(world: &mut World) {
     let _ = advance(world, delta);
 }
 
-/// Inserts a resource with its default, unless the world has it. Bevy's `init_resource` compiles to four times as much code for each type, because
-/// it spawns and inserts the resource as a bundle.
+/// Inserts a resource with its default, unless the world has it. Bevy's `init_resource` compiles to four times as much code for each type,
+/// because it spawns and inserts the resource as a bundle.
 pub(crate) fn init<R: Resource + FromWorld>(world: &mut World) {
     if !world.contains_resource::<R>() {
         let value = R::from_world(world);
@@ -487,8 +487,8 @@ impl Plugin for ContactEventsPlugin {
     }
 }
 
-/// Adds the [`RefreshSchedule`], and runs it in every frame in which virtual time or [`PhysicsTime`] is paused, so that queries find bodies that were spawned or
-/// moved since the last step.
+/// Adds the [`RefreshSchedule`], and runs it in every frame in which virtual time or [`PhysicsTime`] is paused, so that queries find bodies
+/// that were spawned or moved since the last step.
 #[derive(Debug)]
 pub struct RefreshPlugin;
 

@@ -1,11 +1,11 @@
 //! The time that every system takes. It is always recorded, since a clock reading costs 25 ns. For Tracy, Perfetto and similar tools
 //! every system is also a span of `tracing` with the name `stage`.
 //!
-//! Where only drystone's own systems are in a [`PhysicsSchedule`](crate::schedule::PhysicsSchedule), the end of one is also the beginning of the next. So what
-//! Bevy does between two systems, such as looking at run conditions, counts for the second.
+//! Where only drystone's own systems are in a [`PhysicsSchedule`](crate::schedule::PhysicsSchedule), the end of one is also the beginning
+//! of the next. So what Bevy does between two systems, such as looking at run conditions, counts for the second.
 //!
-//! [`timed`] wraps a system. The [plugins](crate::DrystonePlugins) wrap all of drystone's own systems, under the names of their stages. Wrap
-//! your own systems to list them, too. With several substeps the time of a step is their sum.
+//! [`timed`] wraps a system. The [plugins](crate::DrystonePlugins) wrap all of drystone's own systems, under the names of their stages.
+//! Wrap your own systems to list them, too. With several substeps the time of a step is their sum.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::{Adapt, AdapterSystem, IntoAdapterSystem, RunSystemError, System, SystemIn};

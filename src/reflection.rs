@@ -14,9 +14,10 @@
 //! | messages and reports | `ContactStarted`, `ContactEnded`, `ContactForce`, `SensorEntered`, `SensorExited`, `JointBroke`, `MortarBroke`, `Collapse`, `CollapseEnded`, `BodyError`, `JointError`, `StepError`, `SolveReports` |
 //! | Bevy | `Transform`, `ChildOf`, `Children`, `Name`, `Disabled` |
 //!
-//! Types that belong to one world, hold code or threads, or are computed in every step are not reflected: the table of bodies, the broadphase, the
-//! constraint graph, islands, the profile, hooks, threads and the log of edits. A shape is opaque, and is read by its
-//! [description](crate::collider::Collider::description). With the feature `serde` the types are also serialized by reflection, as scenes do.
+//! Types that belong to one world, hold code or threads, or are computed in every step are not reflected: the table of bodies, the
+//! broadphase, the constraint graph, islands, the profile, hooks, threads and the log of edits. A shape is opaque, and is read by its
+//! [description](crate::collider::Collider::description). With the feature `serde` the types are also serialized by reflection, as scenes
+//! do.
 
 use crate::body::{self, Quarantined, RigidBodyDisabled, Teleport};
 use crate::character::{Character, CharacterState};

@@ -2,11 +2,12 @@
 //!
 //! # The mechanism
 //! - A *source* has a [`Revision`]: a number that it shares with no other state. Whoever changes the source gives it a new one.
-//! - Data that is *derived* from a source keeps the revision that it was derived from, as an `Option<Revision>`; `None` means that it must be
-//!   derived anew in any case. It is valid while that revision equals the revision of its source.
+//! - Data that is *derived* from a source keeps the revision that it was derived from, as an `Option<Revision>`; `None` means that it must
+//!   be derived anew in any case. It is valid while that revision equals the revision of its source.
 //!
-//! A revision says only *whether* a source is the same as before. Revisions have no order, and no result depends on their values. Every number
-//! is used once in a process. So data that was derived in one world is never taken for valid in another whose state was copied over it.
+//! A revision says only *whether* a source is the same as before. Revisions have no order, and no result depends on their values. Every
+//! number is used once in a process. So data that was derived in one world is never taken for valid in another whose state was copied over
+//! it.
 //!
 //! A stage takes one revision each time it runs, and gives it to all sources that it changes in that run.
 //!
@@ -18,8 +19,8 @@
 //! | the bodies that were removed from the [`BodyTable`](crate::body::BodyTable) | *prepare* | the contents of [sensors](crate::sensor) |
 //! | the patches of a problem ([`Memory`](crate::solver::Memory)): their number, bodies and points | *warm start* | the state that a solver keeps |
 //!
-//! Where little of a large source has changed, derived data may be edited. Then the source also says what has changed since which revision, and
-//! the edit is made if the derived data has that revision. The order of an island, its problem and the state of Soft Step do so.
+//! Where little of a large source has changed, derived data may be edited. Then the source also says what has changed since which revision,
+//! and the edit is made if the derived data has that revision. The order of an island, its problem and the state of Soft Step do so.
 //!
 //! The stage *anchors* does not give a new revision to a pair when it writes an anchor, because rows do not read anchors. It sets
 //! `ContactAnchors::measured` to `None`.

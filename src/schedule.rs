@@ -246,8 +246,8 @@ impl SystemExecutor for StepExecutor {
 #[derive(Resource, PartialEq)]
 struct MayChangeThreads(bool);
 
-/// Whether a step may run on another thread than this one: work of the last step was divided, and no system needs this thread, as one of the user's
-/// may. (Run conditions are not looked at.)
+/// Whether a step may run on another thread than this one: work of the last step was divided, and no system needs this thread, as one of
+/// the user's may. (Run conditions are not looked at.)
 fn may_change_threads(world: &World) -> bool {
     let threads = world.get_resource::<PhysicsThreads>();
     // Systems are looked at only if it matters: small steps take some microseconds.

@@ -11,7 +11,8 @@ fn cells(line: &str) -> impl Iterator<Item = &str> {
     line.split('|').map(str::trim)
 }
 
-/// Returns true if a document has this value as missed: its cell, in the column of the step, is marked. What a document does not have is not.
+/// Returns true if a document has this value as missed: its cell, in the column of the step, is marked. What a document does not have is
+/// not.
 pub fn is_missed(document: &str, missed: &Missed) -> bool {
     let tables = document.lines().filter(|line| line.starts_with('|'));
     let mut column = None;

@@ -1,7 +1,8 @@
-//! Measures closed-form results and writes `docs/accuracy.md`: reference, tolerance and measured values, over solvers and steps, with plots.
+//! Measures closed-form results and writes `docs/accuracy.md`: reference, tolerance and measured values, over solvers and steps, with
+//! plots.
 //!
-//! `cargo run --release --example accuracy` writes the document. `-- --quick` measures what is cheap with the default solver at 60 Hz, writes
-//! nothing, and fails if a value is missed that the document does not have as missed.
+//! `cargo run --release --example accuracy` writes the document. `-- --quick` measures what is cheap with the default solver at 60 Hz,
+//! writes nothing, and fails if a value is missed that the document does not have as missed.
 
 mod arches;
 mod document;

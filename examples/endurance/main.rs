@@ -6,9 +6,9 @@
 //! cargo run --release --example endurance -- far
 //! ```
 //!
-//! `building` builds and breaks small walls: a million bricks are spawned and despawned in an hour. `town` lets a town of 100 000 bricks stand
-//! for a day, in which a player comes to one of its walls once an hour. Both end with an error if memory or time grew, or if something moved
-//! that nobody touched. `far` builds the same wall farther and farther from the origin.
+//! `building` builds and breaks small walls: a million bricks are spawned and despawned in an hour. `town` lets a town of 100 000 bricks
+//! stand for a day, in which a player comes to one of its walls once an hour. Both end with an error if memory or time grew, or if
+//! something moved that nobody touched. `far` builds the same wall farther and farther from the origin.
 
 mod building;
 mod far;

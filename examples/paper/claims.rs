@@ -16,7 +16,8 @@ struct Claim {
     rows: [&'static str; 2],
 }
 
-/// The samples by which a run is judged: after the first second, in which it settles, up to where it falls. All up to there if it falls earlier.
+/// The samples by which a run is judged: after the first second, in which it settles, up to where it falls. All up to there if it falls
+/// earlier.
 fn samples(record: &Record) -> impl Iterator<Item = &Sample> {
     let end = record.outcome.fell_at.unwrap_or(f32::INFINITY);
     let start = if end > 1.0 { 1.0 } else { 0.0 };

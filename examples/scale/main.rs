@@ -6,9 +6,9 @@
 //! cargo run --release --example scale -- --million [--threads 0]
 //! ```
 //!
-//! Prints tables, and writes `scale.csv` and `scale.png`, the cost of a wall that is awake over its size, to `target/scale`. `--weight` measures
-//! only the memory of walls that are awake and then fall asleep. `--million` measures towns of a hundred to a million bricks asleep instead,
-//! and writes `town.csv` and `town.png`.
+//! Prints tables, and writes `scale.csv` and `scale.png`, the cost of a wall that is awake over its size, to `target/scale`. `--weight`
+//! measures only the memory of walls that are awake and then fall asleep. `--million` measures towns of a hundred to a million bricks
+//! asleep instead, and writes `town.csv` and `town.png`.
 
 mod town;
 

@@ -1,5 +1,5 @@
-//! Towns of up to a million bricks asleep: how long they take until they are ready, what a brick weighs, what a step and a ray cost, and what it
-//! costs to play on one of the walls.
+//! Towns of up to a million bricks asleep: how long they take until they are ready, what a brick weighs, what a step and a ray cost, and
+//! what it costs to play on one of the walls.
 //!
 //! Each town is measured in a process of its own, so that its memory is that of the process.
 

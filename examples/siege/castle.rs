@@ -1,4 +1,5 @@
-//! The castle: four walls, a gate under a lintel, an arch, a tower of planks, a keep laid with mortar; and a wall beside them that nobody touches.
+//! The castle: four walls, a gate under a lintel, an arch, a tower of planks, a keep laid with mortar; and a wall beside them that nobody
+//! touches.
 
 use crate::game::Layer;
 use bevy_ecs::prelude::*;

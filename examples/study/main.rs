@@ -1,5 +1,5 @@
-//! The contribution of each part of the method, from the paper to the default, at equal time; the paper's open questions; and solvers from the
-//! literature beside both.
+//! The contribution of each part of the method, from the paper to the default, at equal time; the paper's open questions; and solvers from
+//! the literature beside both.
 //!
 //! ```text
 //! cargo run --release --example study -- [--quick] [--baselines] [--out target/study]

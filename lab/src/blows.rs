@@ -195,8 +195,8 @@ pub fn bricks_lost_to_a_ball(x: f32, y: f32, dt: f32) -> usize {
     wall.lost_bricks()
 }
 
-/// Speed along the shot of a steel ball of 2.1 t, a quarter of a second after it was shot with 15 m/s at a wall of 8 × 8 bricks at this place (m).
-/// It is beyond the wall then. m/s.
+/// Speed along the shot of a steel ball of 2.1 t, a quarter of a second after it was shot with 15 m/s at a wall of 8 × 8 bricks at this
+/// place (m). It is beyond the wall then. m/s.
 pub fn speed_beyond_a_wall(x: f32, y: f32, dt: f32) -> f32 {
     let (mut wall, ball) = Wall::shot_at(x, y, dt);
     wall.run(0.25);

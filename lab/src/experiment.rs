@@ -173,8 +173,8 @@ impl Run {
         self.time
     }
 
-    /// Poses of the watched bodies: the initial poses before the first step, and then those of [`metrics::watch`], which are NaN for bodies that are
-    /// despawned or quarantined.
+    /// Poses of the watched bodies: the initial poses before the first step, and then those of [`metrics::watch`], which are NaN for bodies
+    /// that are despawned or quarantined.
     pub fn poses(&self) -> Vec<Pose> {
         if self.time == 0.0 {
             return self.start.clone();
@@ -346,8 +346,8 @@ fn median<T: Copy + Ord>(values: &[T]) -> Option<T> {
 /// The result of an experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// Returns true if no body has fallen ([`metrics::FALLEN`]) at any time. In scenes that are meant to move ([`Scene::stays`]): if no body is lost,
-    /// despawned, quarantined, or below the ground.
+    /// Returns true if no body has fallen ([`metrics::FALLEN`]) at any time. In scenes that are meant to move ([`Scene::stays`]): if no
+    /// body is lost, despawned, quarantined, or below the ground.
     pub stands: bool,
     /// When something first fell or was lost, s.
     pub fell_at: Option<f32>,

@@ -1,7 +1,7 @@
 //! The meters that examples, tests and the comparison with other engines share: penetration, drift, sag, tilt, jitter, energy.
 //!
-//! All of them read components only and change nothing. None of them overlooks a body: a body that is quarantined, despawned or not finite is
-//! infinitely far off, fast and energetic.
+//! All of them read components only and change nothing. None of them overlooks a body: a body that is quarantined, despawned or not finite
+//! is infinitely far off, fast and energetic.
 
 use bevy_ecs::prelude::*;
 use drystone::body::{GravityScale, MassProperties, Pose, Quarantined, RigidBody, Velocity};
@@ -9,7 +9,8 @@ use drystone::contact::{ContactImpulses, Manifold};
 use drystone::settings::{Gravity, StabilizationSettings};
 use glam::{Quat, Vec3};
 
-/// The pose and the velocity of a watched body. The pose of a despawned or quarantined body is NaN, which [`Displacement`] counts as fallen.
+/// The pose and the velocity of a watched body. The pose of a despawned or quarantined body is NaN, which [`Displacement`] counts as
+/// fallen.
 pub fn watch(world: &World, body: Entity) -> (Pose, Velocity) {
     let seen = || {
         let body = world.get_entity(body).ok()?;

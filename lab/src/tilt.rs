@@ -101,8 +101,8 @@ impl Tilted {
         true
     }
 
-    /// The steepest slope on which it stands under the settings of an experiment, °. Sleeping should be off, or a box that creeps falls asleep. `None` if it stands nowhere, or everywhere, within
-    /// [`RANGE`] of the limit.
+    /// The steepest slope on which it stands under the settings of an experiment, °. Sleeping should be off, or a box that creeps falls
+    /// asleep. `None` if it stands nowhere, or everywhere, within [`RANGE`] of the limit.
     pub fn steepest(&self, settings: &Experiment) -> Option<f32> {
         let (mut low, mut high) = (self.limit() - RANGE, self.limit() + RANGE);
         if !self.stands(settings, low) || self.stands(settings, high) {

@@ -9,8 +9,8 @@ use glam::Vec3;
 /// Distance between streets, m. A wall is shorter.
 const STREET: f32 = 50.0;
 
-/// Spawns walls asleep on a square, the first of them at the origin, in running bond. A wall has so many bricks in a course and so many courses; its
-/// neighbour in the street stands `apart` m behind it. Returns the bricks, wall by wall.
+/// Spawns walls asleep on a square, the first of them at the origin, in running bond. A wall has so many bricks in a course and so many
+/// courses; its neighbour in the street stands `apart` m behind it. Returns the bricks, wall by wall.
 ///
 /// # Errors
 /// If there is no such wall.

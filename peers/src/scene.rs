@@ -27,8 +27,8 @@ pub struct Conditions {
     pub threads: usize,
     /// The ground of the scene.
     pub ground: Ground,
-    /// Whether bodies may sleep. In comparisons of scenes at rest they may not: a sleeping body costs nothing and does not creep, so a body that
-    /// sleeps in only one engine would decide both.
+    /// Whether bodies may sleep. In comparisons of scenes at rest they may not: a sleeping body costs nothing and does not creep, so a body
+    /// that sleeps in only one engine would decide both.
     pub sleeping: bool,
 }
 

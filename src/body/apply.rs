@@ -40,8 +40,8 @@ impl ForcesItem<'_, '_> {
         self.pose.transform_point(self.mass.local_center)
     }
 
-    /// Applies a force (N, world axes) at the centre of mass, for `seconds`: that is the length of the step, for a force that a system applies
-    /// in every step.
+    /// Applies a force (N, world axes) at the centre of mass, for `seconds`: that is the length of the step, for a force that a system
+    /// applies in every step.
     pub fn apply_force(&mut self, force: Vec3, seconds: f32) {
         self.apply_linear_impulse(force * seconds);
     }

@@ -1,4 +1,5 @@
-//! The rarely changed properties of a body: kind, shape, mass, surface, layers. Finds the bodies that have others now, and copies these into the table.
+//! The rarely changed properties of a body: kind, shape, mass, surface, layers. Finds the bodies that have others now, and copies these
+//! into the table.
 
 use super::listed::{DescribedItem, Describing};
 use super::{BodyState, Inactive, MassProperties, RigidBody, Simulated, limits};

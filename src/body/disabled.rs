@@ -8,12 +8,12 @@ use bevy_ecs::world::DeferredWorld;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Takes a body out of the simulation while it is there. The body keeps all its components, and its entity stays in all queries: it is drawn,
-/// and may be moved by hand. It does not move, touches nothing, is found by no spatial query, and nothing stands on it. Contacts with it end
-/// in the next step, and bodies that slept on it wake.
+/// Takes a body out of the simulation while it is there. The body keeps all its components, and its entity stays in all queries: it is
+/// drawn, and may be moved by hand. It does not move, touches nothing, is found by no spatial query, and nothing stands on it. Contacts
+/// with it end in the next step, and bodies that slept on it wake.
 ///
-/// When the component is removed the body comes back in the next step as it was: at its `Transform`, with its [`Velocity`](super::Velocity),
-/// in its place in the order of spawning. It is awake then.
+/// When the component is removed the body comes back in the next step as it was: at its `Transform`, with its
+/// [`Velocity`](super::Velocity), in its place in the order of spawning. It is awake then.
 ///
 /// ```
 /// use bevy_transform::components::Transform;

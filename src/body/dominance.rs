@@ -5,17 +5,18 @@ use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// The dominance group of a dynamic body. In a contact of two dynamic bodies, the one in the higher group is not moved by the other, as if it
-/// were infinitely heavy. Bodies in the same group push each other as usual. Static and kinematic bodies dominate all. Default: 0.
+/// The dominance group of a dynamic body. In a contact of two dynamic bodies, the one in the higher group is not moved by the other, as if
+/// it were infinitely heavy. Bodies in the same group push each other as usual. Static and kinematic bodies dominate all. Default: 0.
 ///
 /// In such a contact the dominant body moves on with the velocity that it had at the beginning of the step, as a kinematic body does. Since
 /// nothing pushes it back, the two together gain momentum, and energy whenever the other one is accelerated.
 ///
-/// Nothing is pressed through static and kinematic bodies: if they keep the other body from giving way, its contact with the dominant one is as
-/// any other, with the masses of both. They do if their contacts with it are against the push, within 45°, directly or through more bodies. So the
-/// ground carries a feather that lies on a ton, and a bulldozer that presses a block against a wall stops; but over the floor, it pushes the
-/// block at its own speed. A sleeping body that does not [wake](crate::settings::Waking) counts as static; one that a dominant body hits wakes,
-/// with all that is connected with it. Joints do not count: a dominant body pulls at the joints of what it pushes without limit.
+/// Nothing is pressed through static and kinematic bodies: if they keep the other body from giving way, its contact with the dominant one
+/// is as any other, with the masses of both. They do if their contacts with it are against the push, within 45°, directly or through more
+/// bodies. So the ground carries a feather that lies on a ton, and a bulldozer that presses a block against a wall stops; but over the
+/// floor, it pushes the block at its own speed. A sleeping body that does not [wake](crate::settings::Waking) counts as static; one that a
+/// dominant body hits wakes, with all that is connected with it. Joints do not count: a dominant body pulls at the joints of what it pushes
+/// without limit.
 ///
 /// ```
 /// use bevy_transform::components::Transform;

@@ -9,8 +9,9 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 
-/// A constant force (N) and torque (N·m) at the centre of mass, in world axes and in the axes of the body. They act in every step until they
-/// are changed. Default: zero. A body has this component only if you insert it. [`Forces`](super::Forces) applies forces for a moment instead.
+/// A constant force (N) and torque (N·m) at the centre of mass, in world axes and in the axes of the body. They act in every step until
+/// they are changed. Default: zero. A body has this component only if you insert it. [`Forces`](super::Forces) applies forces for a moment
+/// instead.
 ///
 /// ```
 /// use drystone::prelude::*;
@@ -164,8 +165,8 @@ impl Damping {
 
 /// The stage **forces**: applies gravity, external forces and impulses, and damping.
 ///
-/// It runs after the normal correction, which needs the velocities before forces ([`crate::stabilization::normal`]). A body that forces would
-/// make faster than [`limits::SPEED`] or [`limits::SPIN`] keeps its velocity, and is quarantined before the solve.
+/// It runs after the normal correction, which needs the velocities before forces ([`crate::stabilization::normal`]). A body that forces
+/// would make faster than [`limits::SPEED`] or [`limits::SPIN`] keeps its velocity, and is quarantined before the solve.
 pub fn forces(
     (time, gravity, speeds): (Res<StepTime>, Res<Gravity>, Res<SpeedLimits>),
     table: Res<BodyTable>,

@@ -1,6 +1,6 @@
-//! Inactive bodies: sleeping bodies, and static and kinematic bodies that stand still. The queries of the stages skip them (`Without<Inactive>`), so
-//! their only cost is the search for components that the user wrote. A pair of two inactive bodies is inactive too, without a marker: it is not
-//! among the [active pairs](crate::graph::ConstraintGraph::active_pairs).
+//! Inactive bodies: sleeping bodies, and static and kinematic bodies that stand still. The queries of the stages skip them
+//! (`Without<Inactive>`), so their only cost is the search for components that the user wrote. A pair of two inactive bodies is inactive
+//! too, without a marker: it is not among the [active pairs](crate::graph::ConstraintGraph::active_pairs).
 //!
 //! Change ticks tell what a user wrote to an inactive body: first those of whole columns (Bevy's summary ticks), then, in columns that have
 //! changed, those of rows. A hook reports inactive bodies that were despawned. Bodies that left in another way, such as disabled ones, are
@@ -38,8 +38,8 @@ pub(crate) type InactiveBodies<'w, 's> = Query<'w, 's, Written, IsInactive>;
 pub(super) type InactiveChildren<'w, 's> =
     Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), IsInactive>;
 
-/// Finds inactive bodies of which another component than `Transform` was written since the system ran last, and after `since` if that is later;
-/// once for each component. Values that equal the table do not count.
+/// Finds inactive bodies of which another component than `Transform` was written since the system ran last, and after `since` if that is
+/// later; once for each component. Values that equal the table do not count.
 pub(super) fn find_written(
     table: &BodyTable,
     bodies: InactiveBodies,
@@ -48,8 +48,8 @@ pub(super) fn find_written(
     find(table, bodies, since, false)
 }
 
-/// Has *prepare* visit the inactive bodies that were written since it ran last, and search only for what is written after `now`. Bodies that are not
-/// in the table yet do not count: those that arrive by the thousand would be compared component by component.
+/// Has *prepare* visit the inactive bodies that were written since it ran last, and search only for what is written after `now`. Bodies
+/// that are not in the table yet do not count: those that arrive by the thousand would be compared component by component.
 pub(crate) fn note_written(table: &mut BodyTable, bodies: InactiveBodies, now: Tick) {
     let found = find(table, bodies, table.visited_at(), true);
     table.visit_again(found);

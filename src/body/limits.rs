@@ -1,5 +1,5 @@
-//! Limits of the numbers of a body. Input beyond them is an error ([`BodyProblem`](crate::diagnosis::BodyProblem)) and quarantines the body:
-//! single precision cannot compute with such numbers, and they would spread to other bodies.
+//! Limits of the numbers of a body. Input beyond them is an error ([`BodyProblem`](crate::diagnosis::BodyProblem)) and quarantines the
+//! body: single precision cannot compute with such numbers, and they would spread to other bodies.
 //!
 //! These limits bound the numbers that can be simulated. The practical maximum speed of a body is a setting,
 //! [`SpeedLimits`](crate::settings::SpeedLimits).
@@ -42,7 +42,8 @@ pub(crate) fn within(v: Vec3, bound: f32) -> bool {
     v.abs().cmple(Vec3::splat(bound)).all()
 }
 
-/// Smaller numbers count as zero, in any unit: their squares are subnormal, and processors take a hundred times as long for subnormal numbers.
+/// Smaller numbers count as zero, in any unit: their squares are subnormal, and processors take a hundred times as long for subnormal
+/// numbers.
 const NEGLIGIBLE: f32 = 1e-18;
 
 /// Replaces tiny components by zero. Bodies at rest have such velocities by rounding.

@@ -4,7 +4,8 @@
 //! - the required components of a [`RigidBody`](super::RigidBody), and the components that are restored when they are removed,
 //! - the change detection of active bodies (`Describing`) and of inactive ones (`Written`),
 //! - the properties that the [`BodyTable`](super::BodyTable) copies ([`BodyProperties`](super::BodyProperties)),
-//! - the components that a preview copies, those that belong to the [state](crate::state) of a world, and those that are registered for reflection.
+//! - the components that a preview copies, those that belong to the [state](crate::state) of a world, and those that are registered for
+//!   reflection.
 //!
 //! A component whose removal must be noticed has the hook [`lost_description`](super::lost_description).
 
@@ -37,8 +38,8 @@ pub(super) mod names {
 /// | `described` | no | no | on all; [`describe`](super::describe) reads it |
 /// | `kept` | no | no | on all; the table keeps a copy |
 ///
-/// The expression of a line returns true if the table has the value already: writing an equal value does not activate an inactive body. Without
-/// an expression every write does.
+/// The expression of a line returns true if the table has the value already: writing an equal value does not activate an inactive body.
+/// Without an expression every write does.
 macro_rules! body_properties {
     ($macro:ident) => {
         $macro! {

@@ -42,8 +42,8 @@ macro_rules! listed {
             ($(<$Essential>::default(),)* $(<$Computed>::default(),)*)
         }
 
-        /// The components of a body that have it described anew when they are written. [`lost_description`](super::lost_description) reports
-        /// removals.
+        /// The components of a body that have it described anew when they are written. [`lost_description`](super::lost_description)
+        /// reports removals.
         #[derive(QueryData)]
         #[query_data(contiguous(all))]
         pub struct Describing {

@@ -113,8 +113,8 @@ impl LockedAxes {
         free(self.locked_translations())
     }
 
-    /// The inverse inertia that impulses see, world axes: that of the inertia's restriction to the axes that are not locked. (The restriction
-    /// of the inverse would be that of a body that turns about locked axes too.)
+    /// The inverse inertia that impulses see, world axes: that of the inertia's restriction to the axes that are not locked. (The
+    /// restriction of the inverse would be that of a body that turns about locked axes too.)
     pub(crate) fn restrict(self, inverse_inertia: Mat3) -> Mat3 {
         let free = free(self.locked_rotations());
         if free == Vec3::ONE {

@@ -27,8 +27,8 @@ impl Density {
     pub const DEFAULT: f32 = 1000.0;
 }
 
-/// Sets the mass of a body by hand, kg. Its inertia is scaled in proportion unless [`AngularInertia`] is set too. A dynamic body whose mass is
-/// not within [`limits`] is [quarantined](super::Quarantined).
+/// Sets the mass of a body by hand, kg. Its inertia is scaled in proportion unless [`AngularInertia`] is set too. A dynamic body whose mass
+/// is not within [`limits`] is [quarantined](super::Quarantined).
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(
@@ -69,8 +69,8 @@ pub struct CenterOfMass(pub Vec3);
 /// Mass, centre of mass and inertia of a body, as the solver uses them. This component is computed: set [`Density`], [`Mass`],
 /// [`AngularInertia`] or [`CenterOfMass`] to change it.
 ///
-/// It is up to date as soon as a body, its shape, a [part](crate::children) or one of these components is inserted. Components that are changed in place or removed take
-/// effect in the next step or [`refresh`](crate::refresh()).
+/// It is up to date as soon as a body, its shape, a [part](crate::children) or one of these components is inserted. Components that are
+/// changed in place or removed take effect in the next step or [`refresh`](crate::refresh()).
 ///
 /// The values are those of the *material*. Static and kinematic bodies keep theirs, so that they can become dynamic again, but the solver
 /// treats them as infinitely heavy.
@@ -102,8 +102,8 @@ pub(crate) fn weigh(mut world: DeferredWorld, context: HookContext) {
     weigh_above(&mut world, context.entity);
 }
 
-/// Recomputes the mass properties of the body that an entity is, or that it is a part of. A part may leave its body before the next step has seen it
-/// there, so that step weighs the body once more.
+/// Recomputes the mass properties of the body that an entity is, or that it is a part of. A part may leave its body before the next step
+/// has seen it there, so that step weighs the body once more.
 pub(crate) fn weigh_above(world: &mut DeferredWorld, entity: Entity) {
     if let Some(body) = children::body_of(world, entity) {
         if body == entity {
@@ -114,8 +114,8 @@ pub(crate) fn weigh_above(world: &mut DeferredWorld, entity: Entity) {
     }
 }
 
-/// Recomputes the mass properties of a body that got a part, and has the next step weigh it once more. That of a body with many parts is left to the
-/// step: each part that is added would weigh all of them.
+/// Recomputes the mass properties of a body that got a part, and has the next step weigh it once more. That of a body with many parts is
+/// left to the step: each part that is added would weigh all of them.
 pub(crate) fn weigh_with_parts(world: &mut DeferredWorld, body: Entity) {
     if children::has_few(world, body) {
         weigh_body(world, body);
@@ -154,8 +154,8 @@ pub(crate) fn weigh_body(world: &mut DeferredWorld, entity: Entity) {
 }
 
 impl MassProperties {
-    /// Computes mass properties from a shape and the components set by hand. The result is not finite or not positive if the input is invalid;
-    /// the stage *prepare* checks that. A body without a shape counts as a ball of 1 kg and 1 m diameter.
+    /// Computes mass properties from a shape and the components set by hand. The result is not finite or not positive if the input is
+    /// invalid; the stage *prepare* checks that. A body without a shape counts as a ball of 1 kg and 1 m diameter.
     pub(crate) fn new(
         collider: Option<&Collider>,
         density: Option<&Density>,
@@ -226,8 +226,8 @@ impl MassProperties {
 
     /// The inverse inertia in world axes of a body with this orientation, 1/(kg·m²).
     ///
-    /// It is rounded to 2⁻²² of the largest inverse moment, half a bit more than its accuracy. Bodies at rest rotate to and fro by a billionth
-    /// of a degree; with the rounding their inertia stays bitwise equal, so values derived from it need not be computed anew.
+    /// It is rounded to 2⁻²² of the largest inverse moment, half a bit more than its accuracy. Bodies at rest rotate to and fro by a
+    /// billionth of a degree; with the rounding their inertia stays bitwise equal, so values derived from it need not be computed anew.
     #[inline]
     pub fn world_inverse_inertia(&self, rotation: Quat) -> Mat3 {
         let i = self.inverse_inertia;

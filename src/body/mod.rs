@@ -2,11 +2,11 @@
 //!
 //! A body is an entity with a [`RigidBody`], and with a [`Collider`](crate::collider::Collider) if it can touch other bodies; more
 //! colliders may be on [child entities](crate::children). The components that every body has are added with their defaults; others, such as
-//! [`ExternalForce`], only if you insert them. The [`BodyTable`] is a dense copy of the components that the stages read at random. The stage
-//! [`prepare`] fills it once a step.
+//! [`ExternalForce`], only if you insert them. The [`BodyTable`] is a dense copy of the components that the stages read at random. The
+//! stage [`prepare`] fills it once a step.
 //!
-//! A body with a component whose value is invalid or beyond the [`limits`] is [quarantined](Quarantined): it is reported, and takes no part in
-//! the simulation until the value is corrected.
+//! A body with a component whose value is invalid or beyond the [`limits`] is [quarantined](Quarantined): it is reported, and takes no part
+//! in the simulation until the value is corrected.
 
 #[expect(
     missing_debug_implementations,
@@ -115,11 +115,11 @@ macro_rules! rigid_body {
             /// Moved by forces and contacts. The default.
             #[default]
             Dynamic,
-            /// Infinitely heavy, and never moved by the simulation. A change of its `Transform` moves it at once and does not carry other bodies
-            /// along. Its [`Velocity`] is that of its surface, as on a conveyor belt.
+            /// Infinitely heavy, and never moved by the simulation. A change of its `Transform` moves it at once and does not carry other
+            /// bodies along. Its [`Velocity`] is that of its surface, as on a conveyor belt.
             Static,
-            /// Infinitely heavy, and moved only by the user: by its [`Velocity`], or by a change of its `Transform`. In the step after that change
-            /// it has the velocity that takes it to the new pose, and carries the bodies that stand on it. See [`Teleport`].
+            /// Infinitely heavy, and moved only by the user: by its [`Velocity`], or by a change of its `Transform`. In the step after that
+            /// change it has the velocity that takes it to the new pose, and carries the bodies that stand on it. See [`Teleport`].
             Kinematic,
         }
     };
@@ -128,8 +128,8 @@ body_properties!(rigid_body);
 
 /// Position and orientation of a body in the world. Default: the origin, without rotation.
 ///
-/// Drystone owns this component. A step reads the [`Transform`] if the user changed it, and writes the new pose back to it at the end. Inside
-/// the physics schedule use `Pose` rather than `Transform`.
+/// Drystone owns this component. A step reads the [`Transform`] if the user changed it, and writes the new pose back to it at the end.
+/// Inside the physics schedule use `Pose` rather than `Transform`.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy_reflect",

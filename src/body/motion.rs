@@ -36,8 +36,8 @@ pub enum Motion {
         /// The velocity at the end of the step, as the solver computed it.
         end: Velocity,
     },
-    /// As `Mean`, for a body with joints: the rotation is exactly that of the mean angular velocity, and the end velocity has the gyroscopic
-    /// change. If *integration* changed either, joints would not close.
+    /// As `Mean`, for a body with joints: the rotation is exactly that of the mean angular velocity, and the end velocity has the
+    /// gyroscopic change. If *integration* changed either, joints would not close.
     Exact {
         /// The mean velocity over the step.
         mean: Velocity,

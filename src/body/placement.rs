@@ -45,8 +45,8 @@ pub(crate) fn user_pose(
         // A `Pose` set by hand counts if the transform still has its default.
         *transform == Transform::IDENTITY && pose != Pose::default() && pose.is_finite()
     } else {
-        // The comparison is exact: an unchanged transform gives the same sum of the same numbers as at the end of the last step. Rounding far
-        // from the origin therefore does not matter.
+        // The comparison is exact: an unchanged transform gives the same sum of the same numbers as at the end of the last step. Rounding
+        // far from the origin therefore does not matter.
         let local = local_pose(pose, parent, placed);
         (local.position, local.rotation) == (transform.translation, transform.rotation)
     };
@@ -92,8 +92,8 @@ pub(crate) fn local_pose(
 }
 
 impl BodyState {
-    /// Sends a kinematic body to the pose of its `Transform`: gives it the velocity that takes it there by the end of the step. Returns false
-    /// if it would be too fast, or if its pose is invalid.
+    /// Sends a kinematic body to the pose of its `Transform`: gives it the velocity that takes it there by the end of the step. Returns
+    /// false if it would be too fast, or if its pose is invalid.
     pub(super) fn send(
         &mut self,
         from: Pose,

@@ -119,8 +119,8 @@ pub fn prepare(
         visit,
         recount.then(|| bodies.p1()),
     );
-    // Bodies without a spawn order were spawned before the plugins were added. They are sorted by index, because `Entity`'s own order is the
-    // reverse of the order of spawning.
+    // Bodies without a spawn order were spawned before the plugins were added. They are sorted by index, because `Entity`'s own order is
+    // the reverse of the order of spawning.
     sort::by_key(&mut joining, |(spawn_order, entity)| {
         (
             *spawn_order,
@@ -183,8 +183,8 @@ pub(crate) type NewBodies = (
     Placed<'static, 'static>,
 );
 
-/// Adds bodies that were spawned asleep to the table, as if they had been inactive for long. Returns the slots of those that were added; the others
-/// are to be visited by *prepare*, because more than their contacts has to be found.
+/// Adds bodies that were spawned asleep to the table, as if they had been inactive for long. Returns the slots of those that were added;
+/// the others are to be visited by *prepare*, because more than their contacts has to be found.
 pub(crate) fn add_asleep(
     table: &mut BodyTable,
     list: &[Entity],

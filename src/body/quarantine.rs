@@ -22,8 +22,8 @@ use bevy_ecs::{name::Name, prelude::*};
 use bevy_reflect::Reflect;
 use bevy_transform::components::Transform;
 
-/// Marks a body that takes no part in the simulation because of invalid input. Once the input is corrected the next step removes the marker,
-/// and the body takes part again. The marker may also be removed by hand.
+/// Marks a body that takes no part in the simulation because of invalid input. Once the input is corrected the next step removes the
+/// marker, and the body takes part again. The marker may also be removed by hand.
 ///
 /// After [`BodyProblem::NonFiniteForce`] the marker is removed when force, impulse, velocity, damping, gravity scale or mass has changed.
 #[derive(Component, Clone, Debug, PartialEq)]

@@ -44,8 +44,8 @@ impl Rows<'_> {
     }
 }
 
-/// Returns a test of whether a tick is newer than the last run of a system. It agrees with [`Tick::is_newer_than`] and does half of the work for each tick. In a
-/// world at rest these comparisons are most of a step, because the tick of every `Transform` is read.
+/// Returns a test of whether a tick is newer than the last run of a system. It agrees with [`Tick::is_newer_than`] and does half of the
+/// work for each tick. In a world at rest these comparisons are most of a step, because the tick of every `Transform` is read.
 #[inline]
 pub(crate) fn newer_than(last: Tick, this: Tick) -> impl Fn(Tick) -> bool + Copy {
     let this = this.get();
@@ -65,8 +65,8 @@ pub(crate) fn new_rows<F: Fn(Tick) -> bool + Copy>(ticks: &[Tick], is_new: F) ->
     }
 }
 
-/// The iterator of [`new_rows`]. It is written by hand because there is one for each component of a body: a chain of adapters is compiled anew with
-/// each closure that it is given.
+/// The iterator of [`new_rows`]. It is written by hand because there is one for each component of a body: a chain of adapters is compiled
+/// anew with each closure that it is given.
 pub(crate) struct NewRows<'a, F> {
     ticks: &'a [Tick],
     is_new: F,
@@ -107,8 +107,8 @@ impl<F: Fn(Tick) -> bool + Copy> Iterator for NewRows<'_, F> {
     }
 }
 
-/// The rows of a column that were written since the system ran last. It reads the tick of every row, since Bevy's summary tick of the column misses some
-/// writes of observers.
+/// The rows of a column that were written since the system ran last. It reads the tick of every row, since Bevy's summary tick of the
+/// column misses some writes of observers.
 pub(crate) fn written_rows<T>(column: &ContiguousRef<T>) -> impl Iterator<Item = usize> {
     let (last, this) = (column.last_run_tick(), column.this_run_tick());
     rows_since(column.changed_ticks_slice(), last, this)

@@ -9,15 +9,16 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 ///
 /// # When bodies fall asleep
 ///
-/// An island of bodies that touch falls asleep when all its bodies have been slower than [`SleepSettings`](crate::settings::SleepSettings) says for
-/// [`delay`](crate::settings::SleepSettings::delay) (0.5 s), and are at rest: by how they moved meanwhile, each of them would move by less than 1 mm in
-/// the next ten seconds. What moves slowly but steadily, or speeds up, stays awake. Bodies that nothing drives and that dry contacts hold may creep evenly
-/// by up to [`linear_speed`](crate::settings::SleepSettings::linear_speed), because solvers let heaps creep.
+/// An island of bodies that touch falls asleep when all its bodies have been slower than [`SleepSettings`](crate::settings::SleepSettings)
+/// says for [`delay`](crate::settings::SleepSettings::delay) (0.5 s), and are at rest: by how they moved meanwhile, each of them would move
+/// by less than 1 mm in the next ten seconds. What moves slowly but steadily, or speeds up, stays awake. Bodies that nothing drives and
+/// that dry contacts hold may creep evenly by up to [`linear_speed`](crate::settings::SleepSettings::linear_speed), because solvers let
+/// heaps creep.
 ///
 /// # What wakes them
 ///
-/// A sleeping body wakes in the step after one of these was inserted, written with another value, or removed. A change of a body that does not sleep
-/// itself, such as the ground, wakes all that is connected with it.
+/// A sleeping body wakes in the step after one of these was inserted, written with another value, or removed. A change of a body that does
+/// not sleep itself, such as the ground, wakes all that is connected with it.
 ///
 /// | of | what |
 /// |---|---|
@@ -31,9 +32,9 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// | joints | `FixedJoint`, `RevoluteJoint`, `PrismaticJoint`, `SphericalJoint`, `DistanceJoint`, `SpringJoint`, `GenericJoint`, `BreakForce`, `JointDisabled`, `Mortar`, `MortarJoint` |
 /// | settings, for all bodies | `Gravity`, `SolverSettings`, `StabilizationSettings`, `NarrowphaseSettings`, `SleepSettings`, `SpeedLimits` |
 ///
-/// Bodies that awake ones touch wake as [`Waking`](crate::settings::Waking) says. Edits of the [contacts](crate::contact::ContactPair) of two sleeping
-/// bodies take effect when one of them wakes. Nobody notices a write that bypasses Bevy's change detection, or a change of data that a
-/// [hook](crate::contact::ContactHook) shares.
+/// Bodies that awake ones touch wake as [`Waking`](crate::settings::Waking) says. Edits of the [contacts](crate::contact::ContactPair) of
+/// two sleeping bodies take effect when one of them wakes. Nobody notices a write that bypasses Bevy's change detection, or a change of
+/// data that a [hook](crate::contact::ContactHook) shares.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy_reflect",

@@ -3,8 +3,9 @@
 /// A full list gets room for all entries and for one sixteenth of their number more.
 const SHARE: usize = 16;
 
-/// Makes room in a list for so many entries, and for some more if it is full. Otherwise the next body would double the list, which copies it: in a large world
-/// that takes longer than the rest of the step, and half of the room stays empty. This is called when many bodies arrive, in a step that takes long anyway.
+/// Makes room in a list for so many entries, and for some more if it is full. Otherwise the next body would double the list, which copies
+/// it: in a large world that takes longer than the rest of the step, and half of the room stays empty. This is called when many bodies
+/// arrive, in a step that takes long anyway.
 pub(crate) fn make_room<T>(list: &mut Vec<T>, entries: usize) {
     if list.capacity() < entries {
         list.reserve_exact(entries + entries / SHARE - list.len());

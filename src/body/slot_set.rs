@@ -2,8 +2,8 @@
 
 use crate::state::clone_fields;
 
-/// A set of slots: one bit for each, and above those one bit for each word that is not zero. With a million bodies at rest, a plain list of bits takes
-/// 10 µs to find the few that are active, and stages look for them twenty times in a step.
+/// A set of slots: one bit for each, and above those one bit for each word that is not zero. With a million bodies at rest, a plain list of
+/// bits takes 10 µs to find the few that are active, and stages look for them twenty times in a step.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SlotSet {

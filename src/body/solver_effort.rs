@@ -8,10 +8,10 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// How much work the solver puts into a body, as a multiple of the usual number of sweeps, from 1 to [`SolverEffort::MAX`]. Default: 1.
 ///
-/// All bodies that touch each other or are joined are solved together, with the largest effort among them. The number of sweeps grows with the
-/// effort up to the maximum of the solver ([`SoftStep::max_sweeps`](crate::solver::SoftStep::max_sweeps)), and so does the time. Walls, stacks and
-/// arches need no more than the default; a light body between heavy ones, or a machine that a player looks at closely, may. Other values are an
-/// error ([`BodyProblem::InvalidSolverEffort`]).
+/// All bodies that touch each other or are joined are solved together, with the largest effort among them. The number of sweeps grows with
+/// the effort up to the maximum of the solver ([`SoftStep::max_sweeps`](crate::solver::SoftStep::max_sweeps)), and so does the time. Walls,
+/// stacks and arches need no more than the default; a light body between heavy ones, or a machine that a player looks at closely, may.
+/// Other values are an error ([`BodyProblem::InvalidSolverEffort`]).
 ///
 /// ```
 /// use bevy_transform::components::Transform;

@@ -6,8 +6,8 @@ use bevy_ecs::{lifecycle::HookContext, prelude::*, world::DeferredWorld};
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 
-/// The number of a body in the order of spawning. Bodies on one level of support are solved in this order. So two worlds with the same numbers
-/// give bitwise equal results, whatever their `Entity`s are.
+/// The number of a body in the order of spawning. Bodies on one level of support are solved in this order. So two worlds with the same
+/// numbers give bitwise equal results, whatever their `Entity`s are.
 ///
 /// A [`RigidBody`](super::RigidBody) gets its number when it is spawned. Set it by hand on all bodies if two worlds must agree that do not
 /// spawn them in the same order, such as a server and its clients.
@@ -38,8 +38,8 @@ impl Default for SpawnOrder {
     }
 }
 
-/// Numbers a body when it is spawned, because the next step cannot recover the order of spawning. Bodies that are spawned before the plugins
-/// are added get their numbers in *prepare*.
+/// Numbers a body when it is spawned, because the next step cannot recover the order of spawning. Bodies that are spawned before the
+/// plugins are added get their numbers in *prepare*.
 fn stamp(mut world: DeferredWorld, context: HookContext) {
     let next = world
         .get_resource_mut::<BodyTable>()

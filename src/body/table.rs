@@ -1,7 +1,8 @@
 //! The dense table of all bodies.
 //!
-//! Stages that iterate over pairs read two bodies of each at random. That takes 5–30 ns through a query and 2 ns through a slice. So each body
-//! keeps a slot ([`BodyIndex`]) as long as it lives, and the stage *prepare* copies the data that those stages read into it once a step.
+//! Stages that iterate over pairs read two bodies of each at random. That takes 5–30 ns through a query and 2 ns through a slice. So each
+//! body keeps a slot ([`BodyIndex`]) as long as it lives, and the stage *prepare* copies the data that those stages read into it once a
+//! step.
 
 use super::slot_list::make_room;
 use super::slot_set::SlotSet;
@@ -46,11 +47,12 @@ impl Default for BodyIndex {
     }
 }
 
-/// Hook of components that describe a body: after a removal *prepare* reads the body again, as after a change. A hook is needed because Bevy
-/// clears the list of removed components in every frame, and a step may come after several frames. The component may also be that of a part.
+/// Hook of components that describe a body: after a removal *prepare* reads the body again, as after a change. A hook is needed because
+/// Bevy clears the list of removed components in every frame, and a step may come after several frames. The component may also be that of a
+/// part.
 ///
-/// The hook does not mark a component as changed, because the entity is about to move to another table: the summary tick of that table misses
-/// changes that hooks and observers of the removal make after another observer has run.
+/// The hook does not mark a component as changed, because the entity is about to move to another table: the summary tick of that table
+/// misses changes that hooks and observers of the removal make after another observer has run.
 pub(crate) fn lost_description(mut world: DeferredWorld, context: HookContext) {
     note_loss(&mut world, context.entity);
     children::mark_if_part(&mut world, context.entity);
@@ -81,8 +83,8 @@ fn leave(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// What hooks note while the table is not in the world: as long as pairs of bodies that [arrive](crate::streaming::arrive) are spawned, whose observers
-/// may do anything.
+/// What hooks note while the table is not in the world: as long as pairs of bodies that [arrive](crate::streaming::arrive) are spawned,
+/// whose observers may do anything.
 #[derive(Resource, Default)]
 pub(crate) struct Missed {
     reduced: Vec<Entity>,
@@ -107,9 +109,9 @@ pub(crate) fn with_table<T>(
 /// A quarter of the largest error of a rounded coordinate, as a share of it.
 const ROUNDING: f32 = 1.0 / (1 << 26) as f32;
 
-/// A coordinate counts as at most this many times as large as the body. Without this limit a brick at 1 km would count as still up to 1 mm/s.
-/// With it, a body is still up to 10⁻⁶ of its size in a step; at that speed walls, arches and houses of cards drift no more than with all sweeps,
-/// and cubes under a hundred times their mass that were placed with noise by 14 µm in a minute.
+/// A coordinate counts as at most this many times as large as the body. Without this limit a brick at 1 km would count as still up to 1
+/// mm/s. With it, a body is still up to 10⁻⁶ of its size in a step; at that speed walls, arches and houses of cards drift no more than with
+/// all sweeps, and cubes under a hundred times their mass that were placed with noise by 14 µm in a minute.
 const FAR: f32 = 64.0;
 
 /// What pushes and brakes a body.
@@ -158,8 +160,8 @@ pub struct BodyState {
     pub events: bool,
     /// The entity of the body.
     pub entity: Entity,
-    /// Its number in the order of spawning. Pairs and contacts are sorted by it, because the order of `Entity`s differs between a server and
-    /// its clients.
+    /// Its number in the order of spawning. Pairs and contacts are sorted by it, because the order of `Entity`s differs between a server
+    /// and its clients.
     pub spawn_order: SpawnOrder,
     /// Its pose before the user moved it, if the user did. Boxed, like other values that few bodies have.
     pub(crate) put_from: Option<Box<Pose>>,
@@ -226,8 +228,8 @@ impl BodyState {
         self.velocity.at(point - self.center)
     }
 
-    /// The linear and angular speed, m/s and rad/s, up to which its points move in a step of `dt` s by less than the rounding of its largest
-    /// coordinate, or of one as large as the body.
+    /// The linear and angular speed, m/s and rad/s, up to which its points move in a step of `dt` s by less than the rounding of its
+    /// largest coordinate, or of one as large as the body.
     #[inline]
     pub(crate) fn still_below(&self, dt: f32) -> [f32; 2] {
         let coordinate = self.pose.position.abs().max_element();
@@ -255,8 +257,8 @@ impl BodyState {
         self.pushes() != Pushes::default()
     }
 
-    /// Sets external force and damping. Returns true if the body cannot stay asleep: the force differs from that of the last step, or less damping brakes
-    /// it. Most bodies have neither.
+    /// Sets external force and damping. Returns true if the body cannot stay asleep: the force differs from that of the last step, or less
+    /// damping brakes it. Most bodies have neither.
     #[inline]
     pub(super) fn set_pushes(
         &mut self,
@@ -295,8 +297,8 @@ impl BodyState {
         };
     }
 
-    /// Characteristic size of the face towards a direction (world axes), m. It is like that of the body, but the thickness of the body behind
-    /// that face does not count.
+    /// Characteristic size of the face towards a direction (world axes), m. It is like that of the body, but the thickness of the body
+    /// behind that face does not count.
     #[inline]
     pub fn face_size(&self, direction: Vec3) -> f32 {
         let towards = (self.pose.rotation.inverse() * direction).abs();
@@ -305,8 +307,8 @@ impl BodyState {
         self.radius.min(THICKNESS * half.min_element())
     }
 
-    /// Radius with which a curved body rolls, m: for a shape that is not a ball, its radius when it lies on its side. Infinite for bodies with
-    /// flat faces.
+    /// Radius with which a curved body rolls, m: for a shape that is not a ball, its radius when it lies on its side. Infinite for bodies
+    /// with flat faces.
     pub fn rolling_radius(&self) -> f32 {
         match self.is_curved() {
             true => self.half.element_sum() - self.half.max_element() - self.half.min_element(),
@@ -314,14 +316,16 @@ impl BodyState {
         }
     }
 
-    /// Returns true for a rod: a body so long that a small rotation about its length invalidates a contact that was found at one of its edges.
+    /// Returns true for a rod: a body so long that a small rotation about its length invalidates a contact that was found at one of its
+    /// edges.
     pub(crate) fn is_slender(&self) -> bool {
         let (longest, shortest) = (self.half.max_element(), self.half.min_element());
         let other = self.half.element_sum() - longest - shortest;
         longest > SLENDER * other
     }
 
-    /// Returns true if the bounding spheres of two bodies are farther apart than `reach`, m. That of a half-space is infinite, so it never is.
+    /// Returns true if the bounding spheres of two bodies are farther apart than `reach`, m. That of a half-space is infinite, so it never
+    /// is.
     #[inline]
     pub(crate) fn spheres_are_apart(&self, other: &Self, reach: f32) -> bool {
         let touching = self.radius + other.radius + reach;
@@ -403,8 +407,8 @@ pub struct BodyTable {
     /// Slots of bodies whose contacts are solved in another way since the last update of the islands: their [locks](super::LockedAxes) or
     /// their [dominance](super::Dominance) have changed.
     pub(crate) solved_anew: Vec<u32>,
-    /// Slots of bodies that got [`ContactEvents`](crate::contact::ContactEvents) in this step while they were in the table: the contacts that they have
-    /// already are told.
+    /// Slots of bodies that got [`ContactEvents`](crate::contact::ContactEvents) in this step while they were in the table: the contacts
+    /// that they have already are told.
     pub(crate) listening: Vec<u32>,
     /// Slots of two bodies that do not collide because joints connect them, the lower one first; with the number of those joints.
     #[cfg_attr(

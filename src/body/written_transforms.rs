@@ -1,7 +1,7 @@
 //! Part of the stage *prepare* and of a refresh: finds the bodies whose `Transform` was written.
 //!
-//! Bevy has no summary tick for `Transform`, so the change tick of each row is read, which is most of a step of a large world at rest. So there is
-//! one search, for scales as well as for poses.
+//! Bevy has no summary tick for `Transform`, so the change tick of each row is read, which is most of a step of a large world at rest. So
+//! there is one search, for scales as well as for poses.
 
 use super::rows::look;
 use super::{BodyIndex, Inactive, Pose, RigidBody};
@@ -18,8 +18,8 @@ use glam::Vec3;
 pub struct WrittenTransforms {
     /// Bodies whose scale is not that of their shape.
     pub(crate) rescaled: Vec<Entity>,
-    /// Inactive bodies that have another pose. Interpolation writes the transforms of all bodies in every frame, but those of inactive bodies
-    /// keep their value.
+    /// Inactive bodies that have another pose. Interpolation writes the transforms of all bodies in every frame, but those of inactive
+    /// bodies keep their value.
     pub(super) moved: Vec<Entity>,
 }
 

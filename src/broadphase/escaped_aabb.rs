@@ -1,5 +1,5 @@
-//! Bodies that moved farther in a step than expected and left their box in the tree, for example after an impact. The next step updates their
-//! boxes. Until then [queries](crate::query) must test these bodies in addition to the tree.
+//! Bodies that moved farther in a step than expected and left their box in the tree, for example after an impact. The next step updates
+//! their boxes. Until then [queries](crate::query) must test these bodies in addition to the tree.
 
 use super::{Broadphase, expected_travel};
 use crate::body::{ActiveBodies, BodyState, BodyTable, Pose};

@@ -1,6 +1,6 @@
-//! Fast bodies that are far apart. The box of a fast body contains its motion in the next steps, so it overlaps those of many bodies that it does
-//! not come near to: in a falling heap this is so for most overlaps. Such an overlap waits, and the two bodies get a contact pair in the step in
-//! which the narrowphase may find a contact.
+//! Fast bodies that are far apart. The box of a fast body contains its motion in the next steps, so it overlaps those of many bodies that
+//! it does not come near to: in a falling heap this is so for most overlaps. Such an overlap waits, and the two bodies get a contact pair
+//! in the step in which the narrowphase may find a contact.
 
 use super::{Broadphase, FAT};
 use crate::body::{BodyState, BodyTable};

@@ -1,9 +1,10 @@
-//! The stage **broadphase**: finds which bodies may touch. A contact pair exists while the fat boxes of two bodies overlap. If one of them is
-//! fast, the pair begins when they may touch within a step (`far`). This module finds the boxes that overlap, and those that may have ceased to; [`pair_changes`](crate::graph::pair_changes) spawns and despawns the pairs.
+//! The stage **broadphase**: finds which bodies may touch. A contact pair exists while the fat boxes of two bodies overlap. If one of them
+//! is fast, the pair begins when they may touch within a step (`far`). This module finds the boxes that overlap, and those that may have
+//! ceased to; [`pair_changes`](crate::graph::pair_changes) spawns and despawns the pairs.
 //!
-//! The tight box of a body contains its shape, the collision envelope, and its possible motion in the step. The tree stores a fatter box. As
-//! long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison for each body. Half-spaces have no box: they
-//! are kept beside the tree and tested against every body that moved.
+//! The tight box of a body contains its shape, the collision envelope, and its possible motion in the step. The tree stores a fatter box.
+//! As long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison for each body. Half-spaces have no box:
+//! they are kept beside the tree and tested against every body that moved.
 
 mod escaped_aabb;
 mod far;
@@ -30,8 +31,9 @@ const AHEAD: f32 = 2.0;
 /// The tree is refitted and optimized after one in this many of its boxes was changed. The cost is proportional to the number of boxes.
 const REFIT_SHARE: usize = 16;
 
-/// From so many boxes on the tree is refitted only in steps in which one in [`REFIT_SHARE`] of them changes: refitting a million boxes takes 0.1 s. Otherwise a
-/// box that changes is taken out and inserted anew, which keeps the boxes above it tight. In a small tree it is faster to change boxes in place.
+/// From so many boxes on the tree is refitted only in steps in which one in [`REFIT_SHARE`] of them changes: refitting a million boxes
+/// takes 0.1 s. Otherwise a box that changes is taken out and inserted anew, which keeps the boxes above it tight. In a small tree it is
+/// faster to change boxes in place.
 const LARGE: usize = 1 << 13;
 
 /// Building a tree anew is worth its while from so many boxes on.
@@ -54,7 +56,8 @@ pub struct Broadphase {
     /// Fat boxes by slot; `None` for free slots and half-spaces.
     #[cfg_attr(feature = "serde", serde(with = "crate::state::written::boxes"))]
     fat: Vec<Option<Aabb>>,
-    /// By slot: how far around its shape a body may reach before it leaves its fat box, m, as long as it does not move; 0 if that is not known.
+    /// By slot: how far around its shape a body may reach before it leaves its fat box, m, as long as it does not move; 0 if that is not
+    /// known.
     #[cfg_attr(feature = "serde", serde(skip))]
     room: Vec<f32>,
     /// Slots of half-spaces.
@@ -139,8 +142,8 @@ impl Broadphase {
         self.fat.get(slot as usize).copied().flatten()
     }
 
-    /// Removes the boxes of bodies whose pairs are gone already, and the overlaps that were found with them: the slots may hold other bodies when
-    /// the pairs are updated.
+    /// Removes the boxes of bodies whose pairs are gone already, and the overlaps that were found with them: the slots may hold other
+    /// bodies when the pairs are updated.
     pub(crate) fn take_boxes(&mut self, slots: &[u32]) {
         if !self.found.is_empty() || !self.waiting.is_empty() {
             let taken: FixedBitSet = slots.iter().map(|&slot| slot as usize).collect();
@@ -219,8 +222,8 @@ impl Broadphase {
             let all = all.filter_map(|(slot, fat)| Some((slot, (*fat)?)));
             self.tree = Bvh::from_iter(BvhBuildStrategy::Binned, all);
             self.changed_boxes = 0;
-            // The tree makes room for more now, and not in the step in which the next body comes. There is no other way to ask for it than boxes for which
-            // it has no room.
+            // The tree makes room for more now, and not in the step in which the next body comes. There is no other way to ask for it than
+            // boxes for which it has no room.
             let spare = slots as u32..slots as u32 + SPARE;
             spare
                 .clone()
@@ -268,8 +271,8 @@ impl Broadphase {
         (self.fat[a as usize].as_ref(), self.fat[b as usize].as_ref())
     }
 
-    /// Returns true if the boxes of the two bodies of a pair overlap, and nothing has changed about whether these may collide. It reads little:
-    /// if it returns false, the pair may still go on.
+    /// Returns true if the boxes of the two bodies of a pair overlap, and nothing has changed about whether these may collide. It reads
+    /// little: if it returns false, the pair may still go on.
     pub(crate) fn still_overlap(&self, table: &BodyTable, slots: [u32; 2]) -> bool {
         let is_known = |slot| table.get(slot).is_some_and(|body| !body.renewed);
         matches!(self.boxes_of(slots), (Some(a), Some(b)) if a.intersects(b))
@@ -472,8 +475,8 @@ pub fn broadphase(
 }
 
 /// A box that contains the tight box for some steps, in each of which the body moves by `way` (m). With a fixed margin alone, a fast body
-/// would leave its box in every step. The margin is extended only in the direction of motion: in a falling heap, a larger margin on all sides
-/// made twice as many pairs.
+/// would leave its box in every step. The margin is extended only in the direction of motion: in a falling heap, a larger margin on all
+/// sides made twice as many pairs.
 fn fat_box(tight: &Aabb, way: Vec3) -> Aabb {
     let ahead = AHEAD * way;
     let mut fat = tight.loosened(FAT);
@@ -487,8 +490,8 @@ fn shape_box(body: &BodyState, collider: &Collider) -> Aabb {
     collider.shape().compute_aabb(&body.pose.to_parry())
 }
 
-/// How far around its shape a body may touch something within the step, m: the collision envelope, and its motion. The tight box of the body is that of
-/// its shape, loosened by this.
+/// How far around its shape a body may touch something within the step, m: the collision envelope, and its motion. The tight box of the
+/// body is that of its shape, loosened by this.
 fn reach(body: &BodyState, settings: &StabilizationSettings, gravity: Vec3, dt: f32) -> f32 {
     settings.outer_distance().max(0.0) + expected_travel(body, gravity, dt)
 }

@@ -82,8 +82,8 @@ pub fn characters(
     }
 }
 
-/// Puts the bodies of characters where they went. They do not go there by a velocity: on a straight way they would run into the edges of stairs, with
-/// any force.
+/// Puts the bodies of characters where they went. They do not go there by a velocity: on a straight way they would run into the edges of
+/// stairs, with any force.
 pub fn take_places(
     mut characters: Query<(&Transform, &mut Pose), (With<Character>, Without<ChildOf>)>,
 ) {

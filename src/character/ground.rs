@@ -48,8 +48,8 @@ impl CharacterState {
         })
     }
 
-    /// Whether the character leaves its ground, which falls away: it goes up at `now` (m/s) after a step of `dt` s, while gravity pulls the character
-    /// down at `gravity` (m/s²). It stays on ground that drops for a moment, from which it would rise by no more than `reach`, m.
+    /// Whether the character leaves its ground, which falls away: it goes up at `now` (m/s) after a step of `dt` s, while gravity pulls the
+    /// character down at `gravity` (m/s²). It stays on ground that drops for a moment, from which it would rise by no more than `reach`, m.
     pub(super) fn leaves(&mut self, up: Vec3, now: f32, gravity: f32, reach: f32, dt: f32) -> bool {
         /// What falls freely carries nothing, but rounding must not decide.
         const SHARE: f32 = 0.95;
@@ -65,7 +65,8 @@ impl CharacterState {
         faster * faster > 2.0 * gravity * reach || self.falling >= MOMENT.max(STEPS * dt)
     }
 
-    /// Writes down what the character stands on after a step of `dt` s, if it stands. `carried` is what has carried it, if it stood all the time.
+    /// Writes down what the character stands on after a step of `dt` s, if it stands. `carried` is what has carried it, if it stood all the
+    /// time.
     pub(super) fn stand_on(
         &mut self,
         ground: Option<Ground>,

@@ -1,13 +1,14 @@
 //! Characters that the step moves: they walk, jump, climb stairs, and go with what they stand on.
 //!
-//! A [`Character`] says how it wants to move, and [`CharacterState`] what came of it. Once per step, after all bodies have moved, the step moves each
-//! character with its ground, then by its own velocity, by the rules of [`MoveAndSlide`], and pushes the bodies that it runs into. So a lift that was
-//! moved in this step, by its `Velocity` or its `Transform`, counts already. A game that wants other rules calls
+//! A [`Character`] says how it wants to move, and [`CharacterState`] what came of it. Once per step, after all bodies have moved, the step
+//! moves each character with its ground, then by its own velocity, by the rules of [`MoveAndSlide`], and pushes the bodies that it runs
+//! into. So a lift that was moved in this step, by its `Velocity` or its `Transform`, counts already. A game that wants other rules calls
 //! [`move_and_slide`](crate::query::SpatialQuery::move_and_slide) itself.
 //!
-//! A character is a kinematic body: others bump into it, queries find it, and sensors notice it. It keeps a distance from everything, so it weighs
-//! nothing on what it stands on. It is put from place to place: its [`Velocity`](crate::body::Velocity) stays zero, so it pushes bodies with a limited force only, and does not carry
-//! what lies on it. Bodies that its [`CollisionLayers`](crate::collider::CollisionLayers) do not let it collide with are no obstacles.
+//! A character is a kinematic body: others bump into it, queries find it, and sensors notice it. It keeps a distance from everything, so it
+//! weighs nothing on what it stands on. It is put from place to place: its [`Velocity`](crate::body::Velocity) stays zero, so it pushes
+//! bodies with a limited force only, and does not carry what lies on it. Bodies that its
+//! [`CollisionLayers`](crate::collider::CollisionLayers) do not let it collide with are no obstacles.
 //!
 //! ```
 //! use bevy_transform::components::Transform;
@@ -88,8 +89,8 @@ fn is_last(time: Res<StepTime>) -> bool {
 
 /// A character that the step moves, and how it wants to move; see the [module](self). The game writes it, and reads [`CharacterState`].
 ///
-/// It is a kinematic body with a [`Collider`](crate::collider::Collider) and no parent. A game may write its `Transform` between steps, to turn the
-/// character or to put it elsewhere.
+/// It is a kinematic body with a [`Collider`](crate::collider::Collider) and no parent. A game may write its `Transform` between steps, to
+/// turn the character or to put it elsewhere.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy_reflect",
@@ -103,12 +104,13 @@ fn is_last(time: Res<StepTime>) -> bool {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[require(CharacterState, RigidBody = RigidBody::Kinematic)]
 pub struct Character {
-    /// The velocity at which it walks, m/s, world, relative to its ground. In the air it adds to the velocity of its jump or fall. Its part along
-    /// [`up`](MoveAndSlide::up) counts only while the character [climbs](Self::climbs). Default: zero.
+    /// The velocity at which it walks, m/s, world, relative to its ground. In the air it adds to the velocity of its jump or fall. Its part
+    /// along [`up`](MoveAndSlide::up) counts only while the character [climbs](Self::climbs). Default: zero.
     pub walk: Vec3,
     /// The speed at which it jumps in the next step if it stands, m/s. The step sets it to zero, whether it jumps or not. Default: 0.
     pub jump: f32,
-    /// Whether it climbs, swims or flies: it does not fall, and `walk` counts in all directions. Set it while it is at a ladder. Default: false.
+    /// Whether it climbs, swims or flies: it does not fall, and `walk` counts in all directions. Set it while it is at a ladder. Default:
+    /// false.
     pub climbs: bool,
     /// Factor on gravity. Default: 1.
     pub gravity_scale: f32,
@@ -149,8 +151,9 @@ pub struct CharacterState {
     pub ground: Option<Ground>,
     /// Its velocity in the last step, m/s, world.
     pub velocity: Vec3,
-    /// The part of its velocity that is not by walking, m/s, world: that of falls and jumps, and that which it took along from its last ground. Zero
-    /// while it stands. A game may add to it; a character that stands then takes off, with the velocity of its ground in addition.
+    /// The part of its velocity that is not by walking, m/s, world: that of falls and jumps, and that which it took along from its last
+    /// ground. Zero while it stands. A game may add to it; a character that stands then takes off, with the velocity of its ground in
+    /// addition.
     pub fall: Vec3,
     /// Time since it stood, s; 0 while it stands.
     pub airborne: f32,

@@ -131,8 +131,8 @@ fn known_scale(known: Option<&CompoundCollider>) -> Vec3 {
     known.map_or(Vec3::ONE, CompoundCollider::scale)
 }
 
-/// Finds the bodies that the colliders at and below an entity belonged to and belong to, and those that belong to none. What was seen already is
-/// left out: a body is marked once for each of its parts.
+/// Finds the bodies that the colliders at and below an entity belonged to and belong to, and those that belong to none. What was seen
+/// already is left out: a body is marked once for each of its parts.
 fn visit(
     world: &World,
     root: Entity,

@@ -8,8 +8,8 @@ use bevy_ecs::component::Components;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
 
-/// Gives the bodies that were made of surfaces below a body the velocity of that body. At the end of the step their `Transform` puts them in
-/// place; see [`child_transforms`](crate::integration::child_transforms).
+/// Gives the bodies that were made of surfaces below a body the velocity of that body. At the end of the step their `Transform` puts them
+/// in place; see [`child_transforms`](crate::integration::child_transforms).
 ///
 /// A body that is moved by its `Transform` moves them by theirs.
 pub(super) fn carry(world: &mut World) {

@@ -15,8 +15,8 @@ use glam::Vec3;
 use parry3d::math::Pose as ParryPose;
 use std::sync::Arc;
 
-/// The shape of a body with colliders on child entities, or with a scale. This component is computed; bodies whose shape is simply their own
-/// [`Collider`] do not have it.
+/// The shape of a body with colliders on child entities, or with a scale. This component is computed; bodies whose shape is simply their
+/// own [`Collider`] do not have it.
 #[derive(Component, Clone, Debug)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(opaque))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

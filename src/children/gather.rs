@@ -120,7 +120,8 @@ pub(super) fn scale_of(world: &World, entity: Entity) -> Vec3 {
     scale
 }
 
-/// The colliders of a body: its own first, then its parts in the order in which they were spawned. `None` if its shape is simply its own collider.
+/// The colliders of a body: its own first, then its parts in the order in which they were spawned. `None` if its shape is simply its own
+/// collider.
 pub(super) fn gather(world: &World, body: Entity) -> Option<Vec<Part>> {
     let root = world.get_entity(body).ok()?;
     let scale = scale_of(world, body);

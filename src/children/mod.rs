@@ -1,7 +1,7 @@
 //! Colliders on child entities.
 //!
-//! An entity that has a [`Collider`](crate::collider::Collider) but no [`RigidBody`](crate::body::RigidBody) is a part of the nearest body above it in
-//! the hierarchy (`ChildOf`). The body's shape is the compound of its own collider, if it has one, and of its parts.
+//! An entity that has a [`Collider`](crate::collider::Collider) but no [`RigidBody`](crate::body::RigidBody) is a part of the nearest body
+//! above it in the hierarchy (`ChildOf`). The body's shape is the compound of its own collider, if it has one, and of its parts.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -42,11 +42,11 @@
 //!
 //! # Place and scale
 //!
-//! A part is where the `Transform`s from the body down to it put it, scale included. `GlobalTransform` is not read, because it may be out of date.
-//! The scale of the body itself, and of entities above it, scales its shape too. Shapes that cannot follow an uneven scale become convex hulls; see
-//! [`Collider::scaled`](crate::collider::Collider::scaled). Parts may be moved, added, removed, given to another body and despawned at any time.
-//! A change takes effect in the next step or [`refresh`](crate::refresh()). It counts as a new shape, so a body whose parts move in every step does
-//! not come to rest.
+//! A part is where the `Transform`s from the body down to it put it, scale included. `GlobalTransform` is not read, because it may be out
+//! of date. The scale of the body itself, and of entities above it, scales its shape too. Shapes that cannot follow an uneven scale become
+//! convex hulls; see [`Collider::scaled`](crate::collider::Collider::scaled). Parts may be moved, added, removed, given to another body and
+//! despawned at any time. A change takes effect in the next step or [`refresh`](crate::refresh()). It counts as a new shape, so a body
+//! whose parts move in every step does not come to rest.
 //!
 //! # Properties
 //!
@@ -58,14 +58,15 @@
 //! | [`CollisionLayers`](crate::collider::CollisionLayers) | layers of the part | those of the body |
 //! | [`Sensor`](crate::sensor::Sensor) | it detects bodies and touches nothing; it has no mass | |
 //!
-//! `Mass`, `AngularInertia` and `CenterOfMass` on the body set its total. The sum is known as soon as a part is inserted if there are at most 32
-//! entities below the body; with more of them, and after a part was removed, from the next step or refresh on. `CollisionExceptions` and `ContactEvents` belong to bodies.
+//! `Mass`, `AngularInertia` and `CenterOfMass` on the body set its total. The sum is known as soon as a part is inserted if there are at
+//! most 32 entities below the body; with more of them, and after a part was removed, from the next step or refresh on.
+//! `CollisionExceptions` and `ContactEvents` belong to bodies.
 //!
 //! # Bodies below bodies
 //!
-//! A body below another one is a body of its own, and lives in the world. Its `Transform` is in the frame of its parent, and each step writes it anew, so
-//! that the parent's motion does not take the body along: contacts and joints do. What becomes of a body when an entity above it is moved by its
-//! `Transform` depends on both:
+//! A body below another one is a body of its own, and lives in the world. Its `Transform` is in the frame of its parent, and each step
+//! writes it anew, so that the parent's motion does not take the body along: contacts and joints do. What becomes of a body when an entity
+//! above it is moved by its `Transform` depends on both:
 //!
 //! | moved | dynamic bodies below | others below |
 //! |---|---|---|
@@ -73,17 +74,18 @@
 //! | a kinematic body with [`Teleport`](crate::body::Teleport), or faster than [`SpeedLimits`](crate::settings::SpeedLimits) allow | are moved at once with it | so are all |
 //! | a static or dynamic body, or an entity that is no body | are moved at once with it | static ones too; kinematic ones move by a velocity |
 //!
-//! So a ship on whose deck things slide, stand and fall is a kinematic body at the top of its hierarchy. A node above both a kinematic deck and dynamic
-//! bodies would move these at once, and the deck would push them on by friction: move the deck instead, or take the bodies out of the hierarchy. What
-//! shall be fixed to its parent is a collider without a `RigidBody`, or has a [`FixedJoint`](crate::joint::FixedJoint).
+//! So a ship on whose deck things slide, stand and fall is a kinematic body at the top of its hierarchy. A node above both a kinematic deck
+//! and dynamic bodies would move these at once, and the deck would push them on by friction: move the deck instead, or take the bodies out
+//! of the hierarchy. What shall be fixed to its parent is a collider without a `RigidBody`, or has a
+//! [`FixedJoint`](crate::joint::FixedJoint).
 //!
 //! # Other colliders
 //!
-//! A collider without a body above it is static: it becomes a [`RigidBody::Static`](crate::body::RigidBody) with the marker [`ImplicitBody`]. Meshes,
-//! height fields, triangles and half-spaces cannot be parts of a compound. Below a static or kinematic body they become bodies of that kind, which
-//! its `Transform` carries along; below a dynamic body they are left out and reported. The same is true of all colliders below a body whose own
-//! collider is of these kinds. A part with invalid input is left out and [reported](crate::diagnosis::BodyError) until the input is corrected; its
-//! body goes on without it.
+//! A collider without a body above it is static: it becomes a [`RigidBody::Static`](crate::body::RigidBody) with the marker
+//! [`ImplicitBody`]. Meshes, height fields, triangles and half-spaces cannot be parts of a compound. Below a static or kinematic body they
+//! become bodies of that kind, which its `Transform` carries along; below a dynamic body they are left out and reported. The same is true
+//! of all colliders below a body whose own collider is of these kinds. A part with invalid input is left out and
+//! [reported](crate::diagnosis::BodyError) until the input is corrected; its body goes on without it.
 
 mod assemble;
 mod carry;

@@ -240,7 +240,8 @@ impl ContactPair {
 }
 
 impl Manifold {
-    /// The numbers of the colliders in the patch with the largest normal impulse, or without impulses in the patch whose surfaces are nearest.
+    /// The numbers of the colliders in the patch with the largest normal impulse, or without impulses in the patch whose surfaces are
+    /// nearest.
     pub(crate) fn main_parts(&self, impulses: &ContactImpulses) -> PatchParts {
         let rank = |patch: &ManifoldPatch| {
             let range = self.range(patch);

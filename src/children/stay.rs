@@ -1,8 +1,8 @@
 //! Dynamic bodies below a kinematic body that is moved by its `Transform` stay where they are in the world.
 //!
-//! Such a body gets the velocity that takes it to its new place by the end of the step, and friction takes along what lies on it. If the hierarchy did
-//! so too, a brick on a ship would move twice as far as the ship. So the `Transform` of each dynamic body below is replaced by the one that leaves the
-//! body where it was when the last step ended, before *prepare* compares the two.
+//! Such a body gets the velocity that takes it to its new place by the end of the step, and friction takes along what lies on it. If the
+//! hierarchy did so too, a brick on a ship would move twice as far as the ship. So the `Transform` of each dynamic body below is replaced
+//! by the one that leaves the body where it was when the last step ended, before *prepare* compares the two.
 
 use crate::body::{BodyTable, Pose, RigidBody, Teleport, local_pose, user_pose, velocity_between};
 use crate::components::holders_in;
@@ -16,8 +16,8 @@ use glam::Vec3;
 
 type Placed = QueryState<(&'static Transform, Option<&'static ChildOf>)>;
 
-/// Rounding of a pose that is computed by way of another frame, as a share of the coordinates; and of the parts of a rotation. Those of a frame may
-/// not be of unit length, because users turn it.
+/// Rounding of a pose that is computed by way of another frame, as a share of the coordinates; and of the parts of a rotation. Those of a
+/// frame may not be of unit length, because users turn it.
 const ROUNDING: f32 = 1e-6;
 const TURN: f32 = 1e-5;
 

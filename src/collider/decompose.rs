@@ -26,8 +26,8 @@ impl Default for DecompositionSettings {
 }
 
 impl Collider {
-    /// A compound of convex hulls that fills a closed mesh, computed with V-HACD. Unlike [`trimesh`](Self::trimesh) it has an inside and a mass,
-    /// so it is for dynamic bodies.
+    /// A compound of convex hulls that fills a closed mesh, computed with V-HACD. Unlike [`trimesh`](Self::trimesh) it has an inside and a
+    /// mass, so it is for dynamic bodies.
     ///
     /// It takes from a tenth of a second to many seconds: call it when assets are made or loaded, not during a game.
     ///
@@ -47,8 +47,8 @@ impl Collider {
     /// ```
     ///
     /// # Errors
-    /// [`ColliderError::InvalidMesh`] if a vertex is not finite, a triangle names a vertex that does not exist, there are no triangles, or nothing
-    /// solid is found; also if a setting is zero or not finite.
+    /// [`ColliderError::InvalidMesh`] if a vertex is not finite, a triangle names a vertex that does not exist, there are no triangles, or
+    /// nothing solid is found; also if a setting is zero or not finite.
     pub fn convex_decomposition(
         vertices: &[Vec3],
         triangles: &[[u32; 3]],

@@ -12,8 +12,8 @@ use parry3d::shape::{
 
 /// The shape of a [`Collider`] with all of its parameters, in metres and in the body's frame.
 ///
-/// [`Collider::description`] returns it, and `Collider::try_from` makes the collider from it. A collider that is made from its description is
-/// the same, bit for bit, also if the description was written to a file in between (feature `serde`).
+/// [`Collider::description`] returns it, and `Collider::try_from` makes the collider from it. A collider that is made from its description
+/// is the same, bit for bit, also if the description was written to a file in between (feature `serde`).
 ///
 /// ```
 /// use drystone::collider::ColliderShape;
@@ -173,7 +173,8 @@ impl Default for ColliderShape {
 }
 
 impl Collider {
-    /// The shape with all of its parameters. `None` for shapes of parry that [`ColliderShape`] does not know: voxels, polylines and custom ones.
+    /// The shape with all of its parameters. `None` for shapes of parry that [`ColliderShape`] does not know: voxels, polylines and custom
+    /// ones.
     pub fn description(&self) -> Option<ColliderShape> {
         let Some(compound) = self.shape.as_compound() else {
             return describe(&self.shape, self.polyhedron());
@@ -276,8 +277,8 @@ impl TryFrom<ColliderShape> for Collider {
     /// Makes the collider.
     ///
     /// # Errors
-    /// Those of [`Collider::convex_hull`], [`Collider::trimesh`], [`Collider::height_field`] and [`Collider::compound`]. A size that is invalid
-    /// is no error here: a body with such a collider is reported and disabled, as [`Collider::is_degenerate`] says.
+    /// Those of [`Collider::convex_hull`], [`Collider::trimesh`], [`Collider::height_field`] and [`Collider::compound`]. A size that is
+    /// invalid is no error here: a body with such a collider is reported and disabled, as [`Collider::is_degenerate`] says.
     fn try_from(shape: ColliderShape) -> Result<Self, ColliderError> {
         let shape = match shape {
             ColliderShape::Ball { radius } => SharedShape::ball(radius),

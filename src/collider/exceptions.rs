@@ -6,12 +6,13 @@ use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Bodies that this body does not collide with, whatever their [`CollisionLayers`](super::CollisionLayers) say. It is enough that one of the two
-/// names the other.
+/// Bodies that this body does not collide with, whatever their [`CollisionLayers`](super::CollisionLayers) say. It is enough that one of
+/// the two names the other.
 ///
 /// May be changed at any time. From the next step on a pair that is named has no contact: if the two touched, a
-/// [`ContactEnded`](crate::contact::ContactEnded) is sent, and bodies that slept wake. A pair that is no longer named collides again, and where the two overlap by
-/// then they are pushed apart. Rays and other queries still find the body. Entities that are not bodies, or not any more, have no effect.
+/// [`ContactEnded`](crate::contact::ContactEnded) is sent, and bodies that slept wake. A pair that is no longer named collides again, and
+/// where the two overlap by then they are pushed apart. Rays and other queries still find the body. Entities that are not bodies, or not
+/// any more, have no effect.
 ///
 /// ```
 /// use bevy_transform::components::Transform;

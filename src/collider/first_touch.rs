@@ -7,7 +7,8 @@ use parry3d::query::{Contact, Unsupported};
 pub(crate) enum Approach {
     /// They do not touch.
     Passes,
-    /// They touch after `way`, m. `touch` holds the closest points there, and `closing` by how much the distance falls per length of the way.
+    /// They touch after `way`, m. `touch` holds the closest points there, and `closing` by how much the distance falls per length of the
+    /// way.
     Touches {
         way: f32,
         touch: Contact,
@@ -20,12 +21,12 @@ pub(crate) enum Approach {
 /// Shapes that are no farther apart touch, m.
 pub(crate) const TOUCH: f32 = 1e-5;
 
-/// Finds the first place on a way where a convex shape touches another one, if it does within `longest`, m. `at` returns the closest points of the two
-/// after some way (m) along the unit vector `direction`, with normals out of the other one.
+/// Finds the first place on a way where a convex shape touches another one, if it does within `longest`, m. `at` returns the closest points
+/// of the two after some way (m) along the unit vector `direction`, with normals out of the other one.
 ///
-/// This is Newton's method for the distance of the two. On a straight way it is a convex function of the place, and the normal of the closest
-/// points is its slope, so no step goes too far, and shapes that do not come closer never meet. (Parry's cast searches in the Minkowski
-/// difference. Where shapes pass at some millimetres, it finds hits that are none, and it misses some at grazing angles.)
+/// This is Newton's method for the distance of the two. On a straight way it is a convex function of the place, and the normal of the
+/// closest points is its slope, so no step goes too far, and shapes that do not come closer never meet. (Parry's cast searches in the
+/// Minkowski difference. Where shapes pass at some millimetres, it finds hits that are none, and it misses some at grazing angles.)
 ///
 /// # Errors
 /// Those of `at`.
@@ -40,7 +41,8 @@ pub(crate) fn first_touch(
     const NEAR: f32 = 2e-3;
     /// Most hits need five steps. Past a surface at a tenth of a millimetre there would be very many.
     const STEPS: u32 = 60;
-    /// Parry fails for some shapes that nearly touch, or finds them deeper than they can be. Then shorter steps are taken, down to this share.
+    /// Parry fails for some shapes that nearly touch, or finds them deeper than they can be. Then shorter steps are taken, down to this
+    /// share.
     const SHORTEST: f32 = 1e-3;
     let Some(mut touch) = at(0.0)? else {
         return Ok(Approach::Lost);

@@ -19,8 +19,8 @@ impl Collider {
     /// [`mesh_triangles`].
     ///
     /// # Errors
-    /// [`ColliderError::InvalidMesh`] if the mesh is not a list or strip of triangles, has no positions of three numbers, or is not kept in main
-    /// memory; other errors as those of [`Collider::trimesh`] and [`Collider::convex_hull`].
+    /// [`ColliderError::InvalidMesh`] if the mesh is not a list or strip of triangles, has no positions of three numbers, or is not kept in
+    /// main memory; other errors as those of [`Collider::trimesh`] and [`Collider::convex_hull`].
     pub fn from_mesh(mesh: &Mesh, shape: MeshShape) -> Result<Self, ColliderError> {
         let (vertices, triangles) = mesh_triangles(mesh)?;
         match shape {

@@ -52,11 +52,12 @@ use thiserror::Error;
 
 /// The collision shape of a body, in metres and in the body's frame. Default: a cube of 1 m.
 ///
-/// The constructors cover the common shapes. Any other shape of [`parry3d`] can be converted with `From<SharedShape>`.
-/// On an entity with a [`RigidBody`](crate::body::RigidBody) it is the shape of that body. On an entity below a body in the hierarchy it is a part of
-/// that body, and without a body above it stands still; see [`children`](crate::children). The shape follows the scale of its `Transform`.
+/// The constructors cover the common shapes. Any other shape of [`parry3d`] can be converted with `From<SharedShape>`. On an entity with a
+/// [`RigidBody`](crate::body::RigidBody) it is the shape of that body. On an entity below a body in the hierarchy it is a part of that
+/// body, and without a body above it stands still; see [`children`](crate::children). The shape follows the scale of its `Transform`.
 ///
-/// [`description`](Self::description) returns the shape with all of its parameters. With the feature `serde` a collider is written to files in that form.
+/// [`description`](Self::description) returns the shape with all of its parameters. With the feature `serde` a collider is written to files
+/// in that form.
 #[derive(Component)]
 #[cfg_attr(
     feature = "bevy_reflect",

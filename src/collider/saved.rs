@@ -11,8 +11,8 @@ thread_local! {
     static KNOWN: RefCell<Option<HashMap<Vec<u8>, Collider>>> = const { RefCell::new(None) };
 }
 
-/// As long as it lives, colliders that this thread reads with equal descriptions are one in memory, as they were when they were written. One that is
-/// made while another lives adds to the other's shapes.
+/// As long as it lives, colliders that this thread reads with equal descriptions are one in memory, as they were when they were written.
+/// One that is made while another lives adds to the other's shapes.
 #[derive(Debug)]
 pub(crate) struct SharedShapes {
     is_first: bool,
@@ -60,8 +60,8 @@ thread_local! {
     static IN_PART: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Reads the shape of a part of a compound, which is no compound. Otherwise bytes could hold compounds in each other so deep that reading them
-/// overflows the stack.
+/// Reads the shape of a part of a compound, which is no compound. Otherwise bytes could hold compounds in each other so deep that reading
+/// them overflows the stack.
 pub(super) fn read_part<'de, D: Deserializer<'de>>(from: D) -> Result<ColliderShape, D::Error> {
     /// Ends the part, also if reading panics.
     struct End;

@@ -1,7 +1,7 @@
 //! Scaled, mirrored and sheared shapes, for the scale of a `Transform` and of those above it.
 //!
-//! A shape stays what it is where it can: a cuboid is scaled along each axis, a cylinder along its axis and evenly across it, a ball evenly.
-//! Otherwise a convex shape becomes the convex hull of points on its scaled surface. Meshes are scaled vertex by vertex.
+//! A shape stays what it is where it can: a cuboid is scaled along each axis, a cylinder along its axis and evenly across it, a ball
+//! evenly. Otherwise a convex shape becomes the convex hull of points on its scaled surface. Meshes are scaled vertex by vertex.
 
 use super::solid::Solid;
 use super::{Collider, ColliderError};
@@ -20,8 +20,8 @@ const EVEN: f32 = 1e-5;
 impl Collider {
     /// The shape scaled along the axes of its frame; negative factors mirror it.
     ///
-    /// Cuboids, hulls, triangles, meshes, half-spaces and compounds follow any scale. Balls, capsules and rounded shapes stay round if all factors
-    /// are equal, cylinders and cones if those of x and z are; otherwise they become convex hulls with some 200 corners.
+    /// Cuboids, hulls, triangles, meshes, half-spaces and compounds follow any scale. Balls, capsules and rounded shapes stay round if all
+    /// factors are equal, cylinders and cones if those of x and z are; otherwise they become convex hulls with some 200 corners.
     ///
     /// ```
     /// use drystone::prelude::*;
@@ -33,8 +33,8 @@ impl Collider {
     /// ```
     ///
     /// # Errors
-    /// [`ColliderError::InvalidScale`] if a factor is zero or not finite, or if a height field is to be mirrored. Errors of hulls and meshes if the
-    /// scaled one is degenerate.
+    /// [`ColliderError::InvalidScale`] if a factor is zero or not finite, or if a height field is to be mirrored. Errors of hulls and
+    /// meshes if the scaled one is degenerate.
     pub fn scaled(&self, scale: Vec3) -> Result<Self, ColliderError> {
         if scale == Vec3::ONE {
             return Ok(self.clone());

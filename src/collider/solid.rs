@@ -42,7 +42,8 @@ impl Solid {
         }
     }
 
-    /// The moments of a hull, of a rounded box, or of a compound with hulls in it. Returns `None` for other shapes, for which parry's are accurate.
+    /// The moments of a hull, of a rounded box, or of a compound with hulls in it. Returns `None` for other shapes, for which parry's are
+    /// accurate.
     pub fn moments(&self, shape: &SharedShape) -> Option<Moments> {
         match self {
             Self::Other => round_cuboid(shape),
@@ -85,8 +86,8 @@ pub(super) fn parry_moments(shape: &SharedShape) -> Moments {
     )
 }
 
-/// The moments of a rounded box, whose border parry leaves out: those of the inner box, of six slabs on its faces, of a cylinder along each axis,
-/// whose quarters lie on four edges, and of a ball, whose eighths lie on the corners.
+/// The moments of a rounded box, whose border parry leaves out: those of the inner box, of six slabs on its faces, of a cylinder along each
+/// axis, whose quarters lie on four edges, and of a ball, whose eighths lie on the corners.
 fn round_cuboid(shape: &SharedShape) -> Option<Moments> {
     let round = shape.as_round_cuboid()?;
     let (h, r) = (
@@ -145,11 +146,11 @@ impl Moments {
 
 /// Creates parry's shape with the same corners.
 ///
-/// Parry merges facets up to 1.5° apart into one face. If all edges of a hull are that flat, parry's hull has no face and panics at the first contact,
-/// so such a hull is an error.
+/// Parry merges facets up to 1.5° apart into one face. If all edges of a hull are that flat, parry's hull has no face and panics at the
+/// first contact, so such a hull is an error.
 ///
-/// Parry follows the outlines of faces from facet to facet. This always terminates, because each edge of a [`Polyhedron`] has two facets that
-/// traverse it in opposite directions.
+/// Parry follows the outlines of faces from facet to facet. This always terminates, because each edge of a [`Polyhedron`] has two facets
+/// that traverse it in opposite directions.
 pub(super) fn to_parry(polyhedron: &Polyhedron) -> Result<SharedShape, ColliderError> {
     let points = polyhedron.points.to_vec();
     let count = points.len();

@@ -7,11 +7,11 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
-/// Velocity of the surface of a body against the body itself, m/s, in the axes of the body. Friction carries other bodies along with it, as a
-/// conveyor belt does; on a dynamic body it drives the body, as a track does. Only the part along the surface counts. Default: zero.
+/// Velocity of the surface of a body against the body itself, m/s, in the axes of the body. Friction carries other bodies along with it, as
+/// a conveyor belt does; on a dynamic body it drives the body, as a track does. Only the part along the surface counts. Default: zero.
 ///
-/// Friction on a moving surface slides until there is no slip, and is not anchored: a body at rest against it creeps a little under a steady
-/// load.
+/// Friction on a moving surface slides until there is no slip, and is not anchored: a body at rest against it creeps a little under a
+/// steady load.
 ///
 /// ```
 /// use bevy_transform::components::Transform;

@@ -1,8 +1,8 @@
-//! Users edit the components of pairs without a [`Revision`](crate::revision::Revision). This file finds their edits by change ticks and gives
-//! each edited pair a new revision. Stages bypass change detection when they write, so ticks show only the edits of users.
+//! Users edit the components of pairs without a [`Revision`](crate::revision::Revision). This file finds their edits by change ticks and
+//! gives each edited pair a new revision. Stages bypass change detection when they write, so ticks show only the edits of users.
 
-/// True if a column, or one row of it, was written since this system ran last, by code that did not bypass change detection. Components of new
-/// pairs do not count.
+/// True if a column, or one row of it, was written since this system ran last, by code that did not bypass change detection. Components of
+/// new pairs do not count.
 macro_rules! is_edited {
     ($column:expr, $row:expr) => {{
         let (last, this) = ($column.last_run_tick(), $column.this_run_tick());
@@ -18,8 +18,8 @@ macro_rules! is_edited {
 }
 pub(crate) use is_edited;
 
-/// Gives the pairs in a table new revisions whose rows in one of the columns were edited since this system ran last. Returns true if there are
-/// any. Every stage that skips unchanged pairs calls it before it looks at them.
+/// Gives the pairs in a table new revisions whose rows in one of the columns were edited since this system ran last. Returns true if there
+/// are any. Every stage that skips unchanged pairs calls it before it looks at them.
 macro_rules! revise_edited {
     ($pairs:expr, $($column:expr),+) => {{
         let mut any = false;

@@ -1,5 +1,5 @@
-//! The stage **contact events**: reports when bodies begin and cease to touch, as messages, and as entity events for observers of bodies that
-//! have [`ContactEvents`].
+//! The stage **contact events**: reports when bodies begin and cease to touch, as messages, and as entity events for observers of bodies
+//! that have [`ContactEvents`].
 
 use super::{
     ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Manifold, PairsMut, Part,
@@ -16,7 +16,8 @@ use glam::Vec3;
 
 /// Marks a body on which [`ContactStarted`] and [`ContactEnded`] are triggered for observers. The messages are sent for all bodies.
 ///
-/// A body that gets it while it touches others is told of these in the next step, so that every [`ContactEnded`] has a [`ContactStarted`] before it.
+/// A body that gets it while it touches others is told of these in the next step, so that every [`ContactEnded`] has a [`ContactStarted`]
+/// before it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy_reflect",
@@ -31,8 +32,8 @@ use glam::Vec3;
 #[component(on_remove = crate::body::lost_description, summary_tick)]
 pub struct ContactEvents;
 
-/// Two bodies began to touch. It is sent in the step in which they first exert a force on each other or come within the collision envelope. As
-/// an entity event its target is `body`; as a message `body` is A of the pair.
+/// Two bodies began to touch. It is sent in the step in which they first exert a force on each other or come within the collision envelope.
+/// As an entity event its target is `body`; as a message `body` is A of the pair.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -46,8 +47,8 @@ pub struct ContactStarted {
     pub colliders: [Entity; 2],
     /// The pair's entity, with its [`Manifold`](super::Manifold) and [`ContactImpulses`](super::ContactImpulses).
     pub pair: Entity,
-    /// The normal impulse of the impact: Σλ_n over the whole step, including restitution, N·s. A soft landing continues over later steps; see
-    /// [`ContactImpulses`].
+    /// The normal impulse of the impact: Σλ_n over the whole step, including restitution, N·s. A soft landing continues over later steps;
+    /// see [`ContactImpulses`].
     pub impulse: f32,
     /// The point of the hit: the centre of pressure, or the mean of the points if they do not press yet; world, m.
     pub point: Vec3,

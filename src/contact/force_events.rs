@@ -71,9 +71,9 @@ impl Default for ContactForceEvents {
     }
 }
 
-/// Reports that two bodies press on each other with more than the threshold of [`ContactForceEvents`] of one of them. The event is sent in every such
-/// step. If both bodies have the component, one event is sent for each. Pairs of two [inactive](crate::body::Inactive) bodies are not reported, because their
-/// forces do not change.
+/// Reports that two bodies press on each other with more than the threshold of [`ContactForceEvents`] of one of them. The event is sent in
+/// every such step. If both bodies have the component, one event is sent for each. Pairs of two [inactive](crate::body::Inactive) bodies
+/// are not reported, because their forces do not change.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -97,7 +97,8 @@ pub struct ContactForce {
     pub point: Vec3,
 }
 
-/// Part of the stage *contact events*: sends every [`ContactForce`], in spawn order. With several substeps it runs once, for the whole step.
+/// Part of the stage *contact events*: sends every [`ContactForce`], in spawn order. With several substeps it runs once, for the whole
+/// step.
 pub fn contact_forces(
     askers: Query<(Entity, &BodyIndex, &ContactForceEvents), Without<Inactive>>,
     pairs: PairsRef,

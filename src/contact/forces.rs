@@ -1,8 +1,8 @@
 //! Contact forces: [`Contacts`], a system parameter that gives the forces between bodies, and [`Load`], a component that keeps their sum.
 //!
 //! The forces are those of the last step: its impulses divided by its length, at the points where contacts were detected. For
-//! [inactive](crate::body::Inactive) bodies they are the forces at which the bodies came to rest, whatever the length of later steps. Bodies
-//! that were despawned, disabled or lost their [`RigidBody`] since then give no force.
+//! [inactive](crate::body::Inactive) bodies they are the forces at which the bodies came to rest, whatever the length of later steps.
+//! Bodies that were despawned, disabled or lost their [`RigidBody`] since then give no force.
 //!
 //! Bodies that are spawned asleep get the static forces that hold them up in the step in which they are spawned.
 //!
@@ -89,8 +89,8 @@ pub struct NotABody(pub Entity);
 /// System parameter for the contact forces between bodies. Outside of a system use [`contacts`].
 ///
 /// The forces are those of the last step, at the points where contacts were detected. For [inactive](crate::body::Inactive) bodies they are
-/// the forces at which the bodies came to rest. Bodies that were despawned, disabled or lost their [`RigidBody`] since the last step give no
-/// force.
+/// the forces at which the bodies came to rest. Bodies that were despawned, disabled or lost their [`RigidBody`] since the last step give
+/// no force.
 #[derive(SystemParam)]
 pub struct Contacts<'w, 's> {
     pub(super) table: Res<'w, BodyTable>,
@@ -190,8 +190,8 @@ impl Contacts<'_, '_> {
             .collect()
     }
 
-    /// The joints of the body in a slot, in spawn order, each with the other body and the force on this one, N, world axes. For a joint to the
-    /// world the other body is the joint itself.
+    /// The joints of the body in a slot, in spawn order, each with the other body and the force on this one, N, world axes. For a joint to
+    /// the world the other body is the joint itself.
     pub(super) fn joined(&self, slot: u32) -> SmallVec<[(Entity, Vec3); 4]> {
         let mut found = SmallVec::<[_; 4]>::new();
         for joint in self.graph.edges_of_kind(slot, EdgeKind::Joint) {
@@ -229,8 +229,8 @@ impl Contacts<'_, '_> {
         !self.graph.is_active(pair.edge)
     }
 
-    /// The factor that converts the impulses of a pair into forces, 1/s. `None` for inactive pairs, which have no new impulses and keep their
-    /// forces.
+    /// The factor that converts the impulses of a pair into forces, 1/s. `None` for inactive pairs, which have no new impulses and keep
+    /// their forces.
     fn per_second(&self, rests: bool) -> Option<f32> {
         (!rests).then(|| self.time.whole().recip())
     }

@@ -1,7 +1,7 @@
 //! The lists that run in parallel with a [`Manifold`]: impulses, targets and anchors, with an entry for each of its points or patches.
 //!
-//! Their lengths change only here: by [`reorder`] after points were detected anew, and by [`fit`] after other code has changed the length of a
-//! list.
+//! Their lengths change only here: by [`reorder`] after points were detected anew, and by [`fit`] after other code has changed the length
+//! of a list.
 
 use super::{
     ContactAnchors, ContactImpulses, ContactTargets, ImpulseSum, Manifold, Origins, inherit,

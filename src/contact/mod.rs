@@ -1,11 +1,11 @@
 //! The components of a contact pair, which is an entity: its bodies, contact points, impulses and anchors.
 //!
 //! A pair exists as long as the fat boxes of its two bodies overlap, whether they touch or not, so that pairs are rarely spawned and
-//! despawned. All its lists run in parallel with the points or patches of its [`Manifold`]. The broadphase spawns and despawns pairs. A pair
-//! that the user despawns, disables or removes a component from is made anew in the next step.
+//! despawned. All its lists run in parallel with the points or patches of its [`Manifold`]. The broadphase spawns and despawns pairs. A
+//! pair that the user despawns, disables or removes a component from is made anew in the next step.
 //!
-//! Systems between two stages may change the lists of a manifold, and their lengths. The stages that follow adjust the other lists to those of
-//! the manifold. A point that no patch refers to has no effect. Points between bodies that did not touch when the
+//! Systems between two stages may change the lists of a manifold, and their lengths. The stages that follow adjust the other lists to those
+//! of the manifold. A point that no patch refers to has no effect. Points between bodies that did not touch when the
 //! [`islands`](crate::graph::islands()) were updated are solved from the next step on.
 
 pub(crate) mod cache;

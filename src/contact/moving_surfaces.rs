@@ -4,8 +4,8 @@ use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
 use glam::Vec3;
 
-/// Velocities that friction demands of A against B, by the number of the pair's edge, m/s, world axes. Written anew in every step, in the stage
-/// *narrowphase*.
+/// Velocities that friction demands of A against B, by the number of the pair's edge, m/s, world axes. Written anew in every step, in the
+/// stage *narrowphase*.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[doc(hidden)]

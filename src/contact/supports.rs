@@ -1,9 +1,9 @@
 //! Supports: [`Supports`], a system parameter that tells which bodies support which.
 //!
-//! A body supports another if the total force over all their faces pushes the other against gravity by more than a thousandth of its weight.
-//! So does a body that another hangs on by a [joint](crate::joint). What hangs on the world is supported by the joint.
-//! This is computed from the forces of the last step ([`Contacts`]). Nothing is simulated, so it does not predict what happens when a support
-//! is removed: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) for that.
+//! A body supports another if the total force over all their faces pushes the other against gravity by more than a thousandth of its
+//! weight. So does a body that another hangs on by a [joint](crate::joint). What hangs on the world is supported by the joint. This is
+//! computed from the forces of the last step ([`Contacts`]). Nothing is simulated, so it does not predict what happens when a support is
+//! removed: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) for that.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -77,8 +77,8 @@ pub struct Bearing {
 
 /// System parameter that tells which bodies support which. Outside of a system use [`supports`].
 ///
-/// A body supports another if the total force over all their faces pushes the other against gravity by more than a thousandth of its weight.
-/// Nothing is simulated: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) to find out.
+/// A body supports another if the total force over all their faces pushes the other against gravity by more than a thousandth of its
+/// weight. Nothing is simulated: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) to find out.
 #[derive(SystemParam)]
 pub struct Supports<'w, 's> {
     contacts: Contacts<'w, 's>,
@@ -163,8 +163,8 @@ impl Supports<'_, '_> {
         }
     }
 
-    /// The bodies that press or pull on the body in a slot, with their total force over all faces and joints, N, world axes. Those that touch it
-    /// come first, each kind in spawn order.
+    /// The bodies that press or pull on the body in a slot, with their total force over all faces and joints, N, world axes. Those that
+    /// touch it come first, each kind in spawn order.
     fn neighbours(&self, slot: u32) -> SmallVec<[(Entity, Vec3); 8]> {
         let mut found = self.contacts.neighbours(slot);
         for (by, force) in self.contacts.joined(slot) {
@@ -302,8 +302,8 @@ impl Search<'_, '_, '_> {
         self.hangs.contains(&body) || self.stands.contains(&body)
     }
 
-    /// Searches for a path down that does not pass through the body. If there is none, all bodies visited on the way are supported only by it,
-    /// and are returned.
+    /// Searches for a path down that does not pass through the body. If there is none, all bodies visited on the way are supported only by
+    /// it, and are returned.
     fn decide(&mut self, body: Entity) -> Result<Vec<Entity>, NotABody> {
         // For each visited body, the body that the search came from.
         let mut from = EntityHashMap::from_iter([(body, body)]);
@@ -337,8 +337,8 @@ impl Search<'_, '_, '_> {
     }
 }
 
-/// Sorts bodies so that each comes after all bodies that it supports. Also returns whether some support each other in a circle; those are in
-/// the order of the path.
+/// Sorts bodies so that each comes after all bodies that it supports. Also returns whether some support each other in a circle; those are
+/// in the order of the path.
 fn from_the_top(
     top: Entity,
     path: &[Bearing],

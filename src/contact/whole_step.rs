@@ -44,7 +44,8 @@ impl ContactImpulses {
         earlier.map_or(ImpulseSum::default(), |earlier| earlier.elsewhere)
     }
 
-    /// Before detection: adds the impulses of the last substep to the earlier ones. In the first substep there are none, and the sums are cleared.
+    /// Before detection: adds the impulses of the last substep to the earlier ones. In the first substep there are none, and the sums are
+    /// cleared.
     #[inline]
     pub(crate) fn begin_substep(&mut self, time: &StepTime, manifold: &Manifold) {
         if time.substep > 0 {

@@ -1,5 +1,5 @@
-//! The joints: the outline of each bonded patch; of others a cross at each anchor, lines to the bodies, the axes of the frame on body 1, and the
-//! limits of what is limited. A swing cone comes with the axis that it holds.
+//! The joints: the outline of each bonded patch; of others a cross at each anchor, lines to the bodies, the axes of the frame on body 1,
+//! and the limits of what is limited. A swing cone comes with the axis that it holds.
 
 use super::PhysicsGizmos;
 use crate::body::BodyTable;

@@ -1,5 +1,5 @@
-//! Debug rendering: shapes, bounding boxes, contacts, impulses, anchors, joints, islands, sleep and loads as lines, with [`bevy_gizmos`]. Needs
-//! the feature `gizmos`.
+//! Debug rendering: shapes, bounding boxes, contacts, impulses, anchors, joints, islands, sleep and loads as lines, with [`bevy_gizmos`].
+//! Needs the feature `gizmos`.
 //!
 //! Add [`PhysicsGizmosPlugin`] to an app that draws gizmos. The gizmo config group [`PhysicsGizmos`] switches each kind of drawing:
 //!

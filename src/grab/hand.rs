@@ -49,14 +49,14 @@ fn refresh_for_hands(
     }
 }
 
-/// A hand that points along a ray of a camera, a player or a pointer. When it is closed it grabs the first dynamic body that the ray hits, and
-/// keeps the point that was hit on the ray, at the same distance. When it is opened it releases the body.
+/// A hand that points along a ray of a camera, a player or a pointer. When it is closed it grabs the first dynamic body that the ray hits,
+/// and keeps the point that was hit on the ray, at the same distance. When it is opened it releases the body.
 ///
 /// A body is held by one hand at a time: a hand that closes on a body with a [`Grab`] holds nothing. It loses a body that is disabled, or
 /// whose `Grab` is removed.
 ///
-/// Numbers that are not finite, out of bounds or negative are logged as an error and have no effect: the hand continues to hold as before, or
-/// grabs nothing.
+/// Numbers that are not finite, out of bounds or negative are logged as an error and have no effect: the hand continues to hold as before,
+/// or grabs nothing.
 ///
 /// ```
 /// # use bevy_transform::components::Transform;

@@ -19,13 +19,13 @@ use glam::{BVec3, Quat, Vec3};
 
 /// Holds a point of a dynamic body at a target, and keeps the body awake. Remove the component to let go.
 ///
-/// The hand applies the force that gives the point the velocity towards the target, up to its limits. So it lifts a load without sagging, with
-/// steps of any length. It does not move a body that is too heavy or stuck, and contacts stop a body that is pressed against another. However
-/// strong the hand is, it does not pull a body through a static one: an infinite limit means as much force as contacts can bear. It corrects
-/// an error in one step at the earliest, even with a `response` of 0.
+/// The hand applies the force that gives the point the velocity towards the target, up to its limits. So it lifts a load without sagging,
+/// with steps of any length. It does not move a body that is too heavy or stuck, and contacts stop a body that is pressed against another.
+/// However strong the hand is, it does not pull a body through a static one: an infinite limit means as much force as contacts can bear. It
+/// corrects an error in one step at the earliest, even with a `response` of 0.
 ///
-/// A hand lets go of a body that is [disabled](bevy_ecs::entity_disabling::Disabled): the component is removed, so that the body does not hang in the air when it is enabled
-/// again. The clone of a held body is not held.
+/// A hand lets go of a body that is [disabled](bevy_ecs::entity_disabling::Disabled): the component is removed, so that the body does not
+/// hang in the air when it is enabled again. The clone of a held body is not held.
 ///
 /// ```
 /// use bevy_transform::components::Transform;
@@ -60,8 +60,8 @@ pub struct Grab {
     pub target: Vec3,
     /// The held point, in the body's frame, m.
     pub local_point: Vec3,
-    /// The world axes along which it pulls; all in [`Grab::gentle`]. Along the others the held point is free: a hand that pulls only along x
-    /// and z supports no weight.
+    /// The world axes along which it pulls; all in [`Grab::gentle`]. Along the others the held point is free: a hand that pulls only along
+    /// x and z supports no weight.
     pub axes: BVec3,
     /// The world axes about which it turns the body or stops its rotation; all in [`Grab::gentle`].
     pub turn_axes: BVec3,
@@ -137,8 +137,8 @@ fn let_go_of(commands: &mut Commands, body: Entity) {
 }
 
 impl Grab {
-    /// A hand that carries `mass` (kg) steadily: its maximum force is five times the weight, its maximum torque a quarter of the weight times
-    /// one metre.
+    /// A hand that carries `mass` (kg) steadily: its maximum force is five times the weight, its maximum torque a quarter of the weight
+    /// times one metre.
     pub fn gentle(mass: f32, local_point: Vec3, target: Vec3) -> Self {
         let weight = mass * 9.81;
         Self {

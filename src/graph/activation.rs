@@ -1,8 +1,9 @@
-//! Deactivation and activation: island by island, sleeping and still bodies get the marker [`Inactive`], which removes them from the queries
-//! of the stages, and their pairs leave the list of [active pairs](super::active). Bodies that are disturbed become active again.
+//! Deactivation and activation: island by island, sleeping and still bodies get the marker [`Inactive`], which removes them from the
+//! queries of the stages, and their pairs leave the list of [active pairs](super::active). Bodies that are disturbed become active again.
 //!
-//! A body becomes inactive in the step after it fell asleep. A pair becomes inactive in the step after both of its bodies did, once its last
-//! events were sent. A body that is disturbed becomes active with all of its pairs, so a pair is inactive only if both of its bodies are.
+//! A body becomes inactive in the step after it fell asleep. A pair becomes inactive in the step after both of its bodies did, once its
+//! last events were sent. A body that is disturbed becomes active with all of its pairs, so a pair is inactive only if both of its bodies
+//! are.
 
 use super::ConstraintGraph;
 use super::active::find_active_rows;

@@ -1,12 +1,13 @@
 //! The active pairs: those that the stages visit.
 //!
-//! An inactive pair stays in its table of the ECS, between pairs that are active. Tables never shrink, so a pair that moved to another table when
-//! it became inactive would take its memory twice: a wall that had been awake once took 2.8 kB a brick more. Moving it also took longer than
-//! solving it once. So the [graph](ConstraintGraph) remembers which edges are active, and the stages visit the *runs* of active rows
-//! of each table. While nothing is inactive, a table is one run.
+//! An inactive pair stays in its table of the ECS, between pairs that are active. Tables never shrink, so a pair that moved to another
+//! table when it became inactive would take its memory twice: a wall that had been awake once took 2.8 kB a brick more. Moving it also took
+//! longer than solving it once. So the [graph](ConstraintGraph) remembers which edges are active, and the stages visit the *runs* of active
+//! rows of each table. While nothing is inactive, a table is one run.
 //!
-//! The rows are derived from the list of active edges and from the places of their entities. Systems between two stages may despawn pairs or move
-//! them into other tables. So the entities of the rows are compared before the rows are used, and rows that have changed are found anew.
+//! The rows are derived from the list of active edges and from the places of their entities. Systems between two stages may despawn pairs
+//! or move them into other tables. So the entities of the rows are compared before the rows are used, and rows that have changed are found
+//! anew.
 
 use super::ConstraintGraph;
 use crate::state::clone_fields;

@@ -1,14 +1,15 @@
 //! The drift of bodies that count as still: slow is not at rest.
 //!
-//! A body may be slower than the speed below which it counts as still, and yet get anywhere: the hand of a clock, a crate on a slow conveyor, a tower
-//! that begins to topple. So a body that is still is looked at four times within the time after which it may sleep. It is *at rest* if, by what was
-//! seen, it would move by less than 1 mm in the next ten seconds (at the default [`linear_speed`](crate::settings::SleepSettings::linear_speed), to
-//! which that is proportional):
-//! - It moves by no more than that now, and does not speed up. Places are compared, not velocities, because contacts make bodies tremble on the spot.
+//! A body may be slower than the speed below which it counts as still, and yet get anywhere: the hand of a clock, a crate on a slow
+//! conveyor, a tower that begins to topple. So a body that is still is looked at four times within the time after which it may sleep. It is
+//! *at rest* if, by what was seen, it would move by less than 1 mm in the next ten seconds (at the default
+//! [`linear_speed`](crate::settings::SleepSettings::linear_speed), to which that is proportional):
+//! - It moves by no more than that now, and does not speed up. Places are compared, not velocities, because contacts make bodies tremble on
+//!   the spot.
 //! - Or it slows down, so that it stops before it has moved by as much.
-//! - Or contacts hold it, and it creeps without speeding up. The solver lets heaps and walls creep by some tenths of a millimetre in a second. Nothing real
-//!   moves like that: dry friction stops what is not driven. A body that rolls, that a force, a moving surface or a speed limit drives, or whose
-//!   island has a joint that turns or slides, is not held in this sense.
+//! - Or contacts hold it, and it creeps without speeding up. The solver lets heaps and walls creep by some tenths of a millimetre in a
+//!   second. Nothing real moves like that: dry friction stops what is not driven. A body that rolls, that a force, a moving surface or a
+//!   speed limit drives, or whose island has a joint that turns or slides, is not held in this sense.
 
 use crate::body::{BodyState, Pose};
 use bevy_platform::collections::HashMap;
@@ -133,8 +134,8 @@ impl Drifts {
         if a + b <= 2.0 * slow || a + b + c + d <= 4.0 * slow {
             return Drifting::Rests;
         }
-        // Each half of the time takes it by this share of the way of the half before: a geometric series. The last quarter shows it if something else
-        // goes on when that has ended.
+        // Each half of the time takes it by this share of the way of the half before: a geometric series. The last quarter shows it if
+        // something else goes on when that has ended.
         let share = ((a + b) / (c + d)).max(a * a / (b * b));
         let last = (a + b) * delay / LOOKS as f32;
         if share < 1.0 && last * share <= far * (1.0 - share) {
@@ -165,8 +166,8 @@ impl Drifts {
     }
 }
 
-/// How far the surface of a body gets from one pose to another at most, m, beyond what rounding may do to the poses. Far from the origin rotations are much
-/// more exact than places.
+/// How far the surface of a body gets from one pose to another at most, m, beyond what rounding may do to the poses. Far from the origin
+/// rotations are much more exact than places.
 fn way(from: &Pose, to: &Pose, body: &BodyState) -> f32 {
     let center = |pose: &Pose| pose.transform_point(body.mass.local_center);
     let way = (center(to) - center(from)).length();

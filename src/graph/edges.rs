@@ -1,8 +1,8 @@
 //! Edges, and the adjacency of bodies: which pairs exist, and which of them link their bodies.
 //!
 //! Invariants:
-//! - An edge is identified by its number and its entity. There is at most one contact between two bodies ([`ConstraintGraph::unknown`]), and
-//!   there may be several joints.
+//! - An edge is identified by its number and its entity. There is at most one contact between two bodies ([`ConstraintGraph::unknown`]),
+//!   and there may be several joints.
 //! - One end of an edge may be the world ([`WORLD`]), which has no slot and no node.
 //! - An edge appears once in the list of each of its two bodies. In each list the edges that *link* come first.
 //! - Every change is recorded in [`Changes`] until [`Islands`](super::Islands) takes it over. So the cost of updating islands and levels is
@@ -209,8 +209,8 @@ impl MapEntities for ConstraintGraph {
 }
 
 impl ConstraintGraph {
-    /// The pairs that the stages visit: all but those of two [inactive](crate::body::Inactive) bodies. A pair becomes inactive in the step after its
-    /// bodies.
+    /// The pairs that the stages visit: all but those of two [inactive](crate::body::Inactive) bodies. A pair becomes inactive in the step
+    /// after its bodies.
     pub fn active_pairs(&self) -> impl ExactSizeIterator<Item = Entity> {
         let edges = self.active.iter();
         edges.map(|&edge| self.edges[edge as usize].entity)
@@ -335,8 +335,8 @@ impl ConstraintGraph {
         self.edges.len()
     }
 
-    /// Adds an edge that does not link yet and returns its number. [`Self::name`] sets its entity later. There must be no contact between the two
-    /// bodies yet if the edge is one.
+    /// Adds an edge that does not link yet and returns its number. [`Self::name`] sets its entity later. There must be no contact between
+    /// the two bodies yet if the edge is one.
     pub(crate) fn insert(&mut self, kind: EdgeKind, slots: [u32; 2]) -> u32 {
         let number = match self.free.pop() {
             Some(free) => free,
@@ -440,8 +440,8 @@ impl ConstraintGraph {
         edge
     }
 
-    /// Returns true if there is a contact between the two bodies. It is found in the list of the body with fewer edges: the ground of a town has those
-    /// of all its walls.
+    /// Returns true if there is a contact between the two bodies. It is found in the list of the body with fewer edges: the ground of a
+    /// town has those of all its walls.
     pub(crate) fn has_contact(&self, slots: [u32; 2]) -> bool {
         let fewer = slots
             .into_iter()

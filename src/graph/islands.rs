@@ -1,5 +1,5 @@
-//! The stage **islands**: updates islands and levels of support, and [wakes](super::waking) bodies that must not stay asleep. It runs before
-//! the forces, so that woken bodies have their full weight in their first solve.
+//! The stage **islands**: updates islands and levels of support, and [wakes](super::waking) bodies that must not stay asleep. It runs
+//! before the forces, so that woken bodies have their full weight in their first solve.
 //!
 //! Cost: one comparison for each active body, and otherwise work proportional to the number of changes. The narrowphase reports the edges
 //! whose contact has begun or ended. Change ticks find contacts that a user has edited. A comparison of the active bodies with those of the
@@ -27,8 +27,8 @@ use std::fmt;
 
 /// The island, the structure and the level of support of each body: views of the [`ConstraintGraph`].
 ///
-/// A *structure* is a set of dynamic bodies that are connected by links, whether they sleep or not. An *island* is a set of awake bodies that
-/// are connected by links between awake bodies: they are solved together. Static, kinematic and sleeping bodies separate islands.
+/// A *structure* is a set of dynamic bodies that are connected by links, whether they sleep or not. An *island* is a set of awake bodies
+/// that are connected by links between awake bodies: they are solved together. Static, kinematic and sleeping bodies separate islands.
 #[derive(Resource, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
@@ -208,8 +208,8 @@ impl Islands {
         self.partition.count()
     }
 
-    /// Level of support: the number of contacts on the shortest way from a body down to a static or kinematic body. `None` if there is no such
-    /// way.
+    /// Level of support: the number of contacts on the shortest way from a body down to a static or kinematic body. `None` if there is no
+    /// such way.
     #[inline]
     pub fn level(&self, slot: u32) -> Option<u32> {
         Some(self.levels.of(slot)).filter(|level| *level != Levels::NONE)
@@ -438,7 +438,8 @@ impl Islands {
         self.follow(graph, update);
     }
 
-    /// Takes over inactive bodies that were added or removed between two steps, and their links. Those that were removed have no edges left.
+    /// Takes over inactive bodies that were added or removed between two steps, and their links. Those that were removed have no edges
+    /// left.
     pub(crate) fn exchange(
         &mut self,
         graph: &mut ConstraintGraph,

@@ -1,17 +1,18 @@
 //! Levels of support: how many contacts a body is away from a static or kinematic body.
 //!
-//! A sweep of the solver passes loads from body to body. A sweep from the ground up carries them through a whole structure; a sweep from the
-//! top down lets everything fall. So contacts are swept by the level of support of their bodies, and within a level in spawn order. This order
-//! depends on how the bodies are stacked, not on how they were spawned, and it keeps bodies that touch near each other in the order (Cuthill and
-//! McKee 1969 number the unknowns of a sparse matrix by levels for the same reason).
+//! A sweep of the solver passes loads from body to body. A sweep from the ground up carries them through a whole structure; a sweep from
+//! the top down lets everything fall. So contacts are swept by the level of support of their bodies, and within a level in spawn order.
+//! This order depends on how the bodies are stacked, not on how they were spawned, and it keeps bodies that touch near each other in the
+//! order (Cuthill and McKee 1969 number the unknowns of a sparse matrix by levels for the same reason).
 //!
-//! Invariant, after every update: a static or kinematic body has level 0. The level of a dynamic body is one more than the lowest level among
-//! the bodies that it is linked to, or none if it is not connected to a static or kinematic body. This is the result of a breadth-first search
-//! from all static and kinematic bodies (`recompute`, the oracle of the tests). An update visits only bodies whose level changes, and their
-//! neighbours:
-//! 1. *Lost support.* From the lowest up, a body near a removed link keeps its level if one of its neighbours is one level below it. Otherwise
-//!    it loses its level for now, and its neighbours one level above it are checked in turn.
-//! 2. *Shorter ways.* Bodies without a level, and bodies at new links, take the lowest level that their neighbours allow, from the lowest up.
+//! Invariant, after every update: a static or kinematic body has level 0. The level of a dynamic body is one more than the lowest level
+//! among the bodies that it is linked to, or none if it is not connected to a static or kinematic body. This is the result of a
+//! breadth-first search from all static and kinematic bodies (`recompute`, the oracle of the tests). An update visits only bodies whose
+//! level changes, and their neighbours:
+//! 1. *Lost support.* From the lowest up, a body near a removed link keeps its level if one of its neighbours is one level below it.
+//!    Otherwise it loses its level for now, and its neighbours one level above it are checked in turn.
+//! 2. *Shorter ways.* Bodies without a level, and bodies at new links, take the lowest level that their neighbours allow, from the lowest
+//!    up.
 
 use super::edges::{ConstraintGraph, WORLD};
 use crate::body::cover;

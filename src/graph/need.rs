@@ -1,22 +1,22 @@
 //! Waking by need: a sleeping body that an awake body touches wakes only if the awake body changes what the sleeping one bears, or hits it.
 //!
 //! The contacts of an awake body with a sleeping one are solved as with something that cannot be moved. The sleeping body is in equilibrium
-//! with the forces at which it fell asleep, so what counts is how much the forces of its contacts have changed since then. They are summed in
-//! an *account*, which is opened before the first change and kept until the body wakes: a hundred small changes add up.
+//! with the forces at which it fell asleep, so what counts is how much the forces of its contacts have changed since then. They are summed
+//! in an *account*, which is opened before the first change and kept until the body wakes: a hundred small changes add up.
 //!
 //! A sleeping body wakes when
 //! - the change of the total force, and of the total moment divided by its radius, exceeds a share of what presses on it,
-//! - an awake body hits it, or the user pushes it. A body of the mass m that hits at the speed u can bring at most the mass m·u/v to the speed
-//!   v. So as much mass wakes around the point of impact, by contact distance, as can be made faster than the speed below which bodies count
-//!   as still. Otherwise the body would bounce off something infinitely heavy. A body that [dominates](crate::body::Dominance) the one that it hits
-//!   wakes all that is connected with that.
+//! - an awake body hits it, or the user pushes it. A body of the mass m that hits at the speed u can bring at most the mass m·u/v to the
+//!   speed v. So as much mass wakes around the point of impact, by contact distance, as can be made faster than the speed below which
+//!   bodies count as still. Otherwise the body would bounce off something infinitely heavy. A body that [dominates](crate::body::Dominance)
+//!   the one that it hits wakes all that is connected with that.
 //! - a body near it has lost a contact whose force mattered. All that rests on that body wakes in the same step, so that it falls together;
 //!   and so do the bodies below that will feel the change. It is handed down as the load is: to each support in proportion to its force.
 //!
 //! Changes below that share are [followed](reserve) to see whether anything resists them.
 //!
-//! The idea to solve only near a disturbance, and to watch the forces of what is at rest beside it, is that of Coevoet, Benchekroun and Kry,
-//! *Adaptive Merging for Rigid Body Simulation*, ACM Transactions on Graphics 39(4), 2020.
+//! The idea to solve only near a disturbance, and to watch the forces of what is at rest beside it, is that of Coevoet, Benchekroun and
+//! Kry, *Adaptive Merging for Rigid Body Simulation*, ACM Transactions on Graphics 39(4), 2020.
 
 use super::ConstraintGraph;
 use super::account::{Accounts, Wrench};
@@ -74,7 +74,8 @@ impl Need<'_, '_, '_> {
         }
     }
 
-    /// Wakes what feels that a contact of a body has ended, if the force of that contact mattered: all that rests on the body, and what bears it.
+    /// Wakes what feels that a contact of a body has ended, if the force of that contact mattered: all that rests on the body, and what
+    /// bears it.
     pub fn wake_bereft(&self, slot: u32, share: f32, accounts: &Accounts, rising: &mut Rising) {
         let Some(body) = self.table.get(slot).filter(|body| body.is_dynamic()) else {
             return;

@@ -1,8 +1,8 @@
 //! Begin and end of contact edges: the second half of the stage *broadphase*.
 //!
 //! The broadphase finds which boxes overlap. This module spawns a [`ContactPair`] entity and its edge when two boxes begin to overlap. It
-//! despawns the pair when they cease to overlap, when one of the bodies was removed, or when the two may no longer collide. Pairs that a user
-//! despawned, or removed components from, are made anew.
+//! despawns the pair when they cease to overlap, when one of the bodies was removed, or when the two may no longer collide. Pairs that a
+//! user despawned, or removed components from, are made anew.
 
 use super::ConstraintGraph;
 use super::activation::activate;

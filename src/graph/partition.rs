@@ -1,17 +1,17 @@
 //! A partition of bodies into islands: sets of bodies that are connected by links.
 //!
-//! There are two of them ([`Islands`](super::Islands)). One contains all dynamic bodies: its islands are the structures of the world. The other
-//! contains the bodies that are solved: those that are awake, so that sleeping bodies separate its islands as the ground does.
+//! There are two of them ([`Islands`](super::Islands)). One contains all dynamic bodies: its islands are the structures of the world. The
+//! other contains the bodies that are solved: those that are awake, so that sleeping bodies separate its islands as the ground does.
 //!
 //! Invariants, after every update:
 //! - Two linked members are in the same island. Other bodies are in no island, so they connect no islands.
 //! - If islands are counted, they are numbered from 0 in the order of their first member (by slot).
 //!
 //! This is the result of a search through the whole graph (the oracle of the tests). The method follows Erin Catto, *Simulation Islands*
-//! (box2d.org, 2023): a link that begins merges the smaller island into the larger at once; a link that ends makes its island a candidate for
-//! a split. Candidates are split in the same update, because bitwise reproducible results need exact islands. Searches from all bodies that
-//! have lost a link run in turns. They end when they have met, which takes only a few bodies for two neighbours in a wall, or when one search
-//! has found all bodies it can reach; these are split off. So the cost of a split is proportional to its smaller part.
+//! (box2d.org, 2023): a link that begins merges the smaller island into the larger at once; a link that ends makes its island a candidate
+//! for a split. Candidates are split in the same update, because bitwise reproducible results need exact islands. Searches from all bodies
+//! that have lost a link run in turns. They end when they have met, which takes only a few bodies for two neighbours in a wall, or when one
+//! search has found all bodies it can reach; these are split off. So the cost of a split is proportional to its smaller part.
 
 use super::edges::ConstraintGraph;
 use super::parts::Parts;
@@ -179,8 +179,8 @@ impl Partition {
         self.entering.push(slot);
     }
 
-    /// Makes islands of the bodies that were inserted since. Those that these links connect are one island from the beginning: if each body were
-    /// an island until it is merged, there would be as many identities as bodies, and lists by identity would be as long.
+    /// Makes islands of the bodies that were inserted since. Those that these links connect are one island from the beginning: if each body
+    /// were an island until it is merged, there would be as many identities as bodies, and lists by identity would be as long.
     pub fn take_in<'a>(&mut self, links: impl Iterator<Item = &'a [u32; 2]>) {
         let entering = std::mem::take(&mut self.entering);
         if entering.is_empty() {

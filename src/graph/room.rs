@@ -1,7 +1,7 @@
 //! Reserves rows for pairs in their table of the ECS.
 //!
-//! Tables grow by doubling, which copies all of their rows. Spawning many pairs at once reserves exactly as many rows, so the first pair that
-//! came after a world was loaded would double the table. Therefore some more rows are reserved together with many.
+//! Tables grow by doubling, which copies all of their rows. Spawning many pairs at once reserves exactly as many rows, so the first pair
+//! that came after a world was loaded would double the table. Therefore some more rows are reserved together with many.
 
 /// One more row is reserved for so many pairs.
 const SHARE: usize = 16;
@@ -9,8 +9,8 @@ const SHARE: usize = 16;
 /// Number of pairs from which on more rows are reserved. A smaller table holds less than 3 MB, which are copied quickly.
 const MANY: usize = 1 << 12;
 
-/// Bundles to be spawned. The table reserves rows for `count` at once, which are these and those that are spawned soon, and for some more if
-/// they are many.
+/// Bundles to be spawned. The table reserves rows for `count` at once, which are these and those that are spawned soon, and for some more
+/// if they are many.
 pub(crate) fn with_room<I: Iterator>(bundles: I, count: usize) -> impl Iterator<Item = I::Item> {
     let more = match count < MANY {
         true => 0,

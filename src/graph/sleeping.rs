@@ -1,8 +1,9 @@
-//! The stage **sleeping**: puts islands to sleep whose bodies have all been still for a while and are [at rest](super::drift), so that they cost no time.
+//! The stage **sleeping**: puts islands to sleep whose bodies have all been still for a while and are [at rest](super::drift), so that they
+//! cost no time.
 //!
 //! A sleeping body keeps its contacts, impulses and anchors, so that it continues from the same state when it wakes. It becomes
-//! [inactive](crate::body::Inactive) in the next step. It wakes when the user moves, pushes, holds or changes it, when settings change, when
-//! an awake body hits it or changes what it bears, and when a body that it touched is removed; see [`islands`](super::islands()).
+//! [inactive](crate::body::Inactive) in the next step. It wakes when the user moves, pushes, holds or changes it, when settings change,
+//! when an awake body hits it or changes what it bears, and when a body that it touched is removed; see [`islands`](super::islands()).
 
 use super::Islands;
 use super::drift::Drifting;

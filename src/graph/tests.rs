@@ -335,7 +335,8 @@ fn an_island_is_marked_when_it_changes_and_only_then() {
     assert_eq!(of(a), now[1]);
 }
 
-/// Lists by identity are kept in several places. When each body of a wall was an island before it was merged, they were as long as the world.
+/// Lists by identity are kept in several places. When each body of a wall was an island before it was merged, they were as long as the
+/// world.
 #[test]
 fn bodies_that_arrive_together_take_one_identity() {
     let site = wall(6, 4);

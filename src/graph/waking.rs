@@ -2,8 +2,8 @@
 //!
 //! These sleeping bodies wake:
 //! - A body that the user has moved, pushed or changed, and the two bodies of a contact that ended or was removed.
-//! - All bodies that are connected with a static or kinematic body that moves or was changed, or whose [hook](crate::contact::ContactHooks) was
-//!   replaced, or with a body that was one.
+//! - All bodies that are connected with a static or kinematic body that moves or was changed, or whose [hook](crate::contact::ContactHooks)
+//!   was replaced, or with a body that was one.
 //! - Bodies that are joined to an awake body, and bodies that are joined to those.
 //! - Bodies that awake bodies touch: under [`Waking::Islands`] all that are connected with them, under [`Waking::ByNeed`] those that
 //!   [need](super::need) it.
@@ -69,8 +69,8 @@ impl Islands {
         rising.slots
     }
 
-    /// Finds the sleeping bodies that are connected with a static or kinematic body that moves or was changed, or with a body whose kind has
-    /// changed.
+    /// Finds the sleeping bodies that are connected with a static or kinematic body that moves or was changed, or with a body whose kind
+    /// has changed.
     fn find_carried(&self, world: (&ConstraintGraph, &BodyTable), rising: &mut Rising) {
         let (graph, table) = world;
         let first = rising.slots.len();
@@ -178,7 +178,8 @@ impl Islands {
             body.asleep = false;
             let entity = body.entity;
             if let Ok((mut sleeping, _)) = sleepers.get_mut(entity) {
-                // Bevy would mark the column of all inactive bodies as changed, so all of it would be searched. `activate` marks the body in its new table.
+                // Bevy would mark the column of all inactive bodies as changed, so all of it would be searched. `activate` marks the body
+                // in its new table.
                 match table.is_inactive(slot) {
                     true => sleeping.bypass_change_detection().wake(),
                     false => sleeping.wake(),
@@ -187,9 +188,9 @@ impl Islands {
         }
     }
 
-    /// Finds the bodies that were added asleep, with the sleeping bodies that are connected with them: these share the new load, and get static
-    /// loads in this step without waking. If they touch awake bodies, those that were added wake instead; bodies of a saved scene have slept
-    /// beside awake ones, and go on sleeping.
+    /// Finds the bodies that were added asleep, with the sleeping bodies that are connected with them: these share the new load, and get
+    /// static loads in this step without waking. If they touch awake bodies, those that were added wake instead; bodies of a saved scene
+    /// have slept beside awake ones, and go on sleeping.
     pub(super) fn find_loading(
         &mut self,
         graph: &ConstraintGraph,

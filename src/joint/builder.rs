@@ -35,7 +35,8 @@ macro_rules! joint_builder {
                 self
             }
 
-            /// With these axes on both bodies, as they are when the joint is added: the rotation from the joint's axes to those of the world.
+            /// With these axes on both bodies, as they are when the joint is added: the rotation from the joint's axes to those of the
+            /// world.
             pub fn with_basis(mut self, basis: Quat) -> Self {
                 self.frame1.basis = JointBasis::FromGlobal(basis);
                 self.frame2.basis = JointBasis::FromGlobal(basis);
@@ -65,8 +66,8 @@ macro_rules! joint_builder {
     };
 }
 
-/// Implements [`JointEnds`](super::definition::JointEnds) for a joint type with the fields `body1`, `body2`, `frame1` and `frame2`. The last argument says
-/// whether its bodies collide.
+/// Implements [`JointEnds`](super::definition::JointEnds) for a joint type with the fields `body1`, `body2`, `frame1` and `frame2`. The
+/// last argument says whether its bodies collide.
 macro_rules! joint_ends {
     ($Type:ident, |$joint:ident| $collision:expr) => {
         impl $crate::joint::JointEnds for $Type {

@@ -1,11 +1,12 @@
 //! The stage **joints**: reads joints that were written, checks them, and adds and removes their edges in the constraint graph.
 //!
 //! A joint has an edge while it takes part in the simulation. It has none while it is disabled, while its input is invalid
-//! ([`QuarantinedJoint`]), and while one of its bodies does not take part: it waits for that body. Joints without an edge are looked at in every
-//! step, those with one only if they were written, or if something happened to their bodies.
+//! ([`QuarantinedJoint`]), and while one of its bodies does not take part: it waits for that body. Joints without an edge are looked at in
+//! every step, those with one only if they were written, or if something happened to their bodies.
 //!
-//! Every component that is inserted or removed here runs hooks and observers of the user, which may despawn the joint or its bodies. So nothing that was
-//! found before is taken for granted afterwards, and the edge is inserted into the graph only when no more of them can run before the joint has it.
+//! Every component that is inserted or removed here runs hooks and observers of the user, which may despawn the joint or its bodies. So
+//! nothing that was found before is taken for granted afterwards, and the edge is inserted into the graph only when no more of them can run
+//! before the joint has it.
 
 use super::definition::JointDefinition;
 use super::edge::{JointChanges, JointEdge};

@@ -119,8 +119,8 @@ impl fmt::Display for JointError {
     }
 }
 
-/// Marks a joint that does nothing because of invalid input. Once the input is corrected, the next step removes the marker, and the joint works
-/// again.
+/// Marks a joint that does nothing because of invalid input. Once the input is corrected, the next step removes the marker, and the joint
+/// works again.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -11,8 +11,8 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 
-/// Force and torque of a joint on body 2 in the last step; body 1 gets the opposite. Drystone writes it. Zero while the joint is disabled. It
-/// also has the [`angle`](Self::angle) of the joint.
+/// Force and torque of a joint on body 2 in the last step; body 1 gets the opposite. Drystone writes it. Zero while the joint is disabled.
+/// It also has the [`angle`](Self::angle) of the joint.
 ///
 /// For bodies that sleep they are those with which they came to rest.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
@@ -32,8 +32,8 @@ pub struct JointForces {
     pub force: Vec3,
     /// The mean torque on body 2 in addition to that of the force, N·m, world axes.
     pub torque: Vec3,
-    /// The largest magnitude during the step of the force, N, filtered by a low-pass with the time constant [`BreakForce::response`]. It does
-    /// not depend on the length of a step, and a blow that lasts a substep does not count much.
+    /// The largest magnitude during the step of the force, N, filtered by a low-pass with the time constant [`BreakForce::response`]. It
+    /// does not depend on the length of a step, and a blow that lasts a substep does not count much.
     pub filtered_force: f32,
     /// The largest magnitude of the torque, N·m, filtered as the force is.
     pub filtered_torque: f32,
@@ -49,17 +49,17 @@ pub struct JointForces {
 }
 
 impl JointForces {
-    /// The angle of a [`RevoluteJoint`](super::RevoluteJoint) or the twist of a [`SphericalJoint`](super::SphericalJoint) at the end of the last
-    /// step, rad, with all its turns. See [`angles`](Self::angles).
+    /// The angle of a [`RevoluteJoint`](super::RevoluteJoint) or the twist of a [`SphericalJoint`](super::SphericalJoint) at the end of the
+    /// last step, rad, with all its turns. See [`angles`](Self::angles).
     pub fn angle(&self) -> Option<f32> {
         self.angles.map(|angles| angles.x)
     }
 
-    /// The rotation of a [`GenericJoint`](super::GenericJoint) about its three axes at the end of the last step, rad. The angle that counts turns
-    /// comes with all of them, the others are zero then.
+    /// The rotation of a [`GenericJoint`](super::GenericJoint) about its three axes at the end of the last step, rad. The angle that counts
+    /// turns comes with all of them, the others are zero then.
     ///
-    /// `None` before the first step, and of joints whose rotations are all locked, or free about several axes without a limit, motor or spring. A
-    /// disabled joint keeps its angles; so it knows its turns when it acts again.
+    /// `None` before the first step, and of joints whose rotations are all locked, or free about several axes without a limit, motor or
+    /// spring. A disabled joint keeps its angles; so it knows its turns when it acts again.
     pub fn angles(&self) -> Option<Vec3> {
         self.angles
     }
@@ -170,8 +170,8 @@ impl BreakForce {
         self.force >= 0.0 && self.torque >= 0.0 && limits::share_of(self.response, 1e3)
     }
 
-    /// The load of a joint as a share of its strength, if it is larger than 1. `before` are the forces of the last step. Filtered forces outlast the
-    /// relief by a neighbour that has broken, so a load that only decreases must last until the end of the step.
+    /// The load of a joint as a share of its strength, if it is larger than 1. `before` are the forces of the last step. Filtered forces
+    /// outlast the relief by a neighbour that has broken, so a load that only decreases must last until the end of the step.
     pub(crate) fn exceeded_share(&self, before: &JointForces, now: &JointForces) -> Option<f32> {
         let share = |load: f32, strength: f32| {
             if load > strength {

@@ -29,13 +29,14 @@ pub struct JointFrame {
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum JointAnchor {
-    /// Where the anchor on the other body is when the joint is added. If neither anchor is given, both are at the centre of mass of body 2, or
-    /// of body 1 if body 2 is the world. Distance and spring joints take the centre of mass of each body instead.
+    /// Where the anchor on the other body is when the joint is added. If neither anchor is given, both are at the centre of mass of body 2,
+    /// or of body 1 if body 2 is the world. Distance and spring joints take the centre of mass of each body instead.
     #[default]
     Auto,
     /// In the frame of the body, from its origin, m. In the world if the body is the world.
     Local(Vec3),
-    /// In the world, m: the point of the body that is there when the joint is added. The step that adds the joint replaces it by a local one.
+    /// In the world, m: the point of the body that is there when the joint is added. The step that adds the joint replaces it by a local
+    /// one.
     FromGlobal(Vec3),
 }
 
@@ -53,7 +54,8 @@ pub enum JointBasis {
     Auto,
     /// Rotation from the joint's axes to those of the body.
     Local(Quat),
-    /// Rotation from the joint's axes to those of the world when the joint is added. The step that adds the joint replaces it by a local one.
+    /// Rotation from the joint's axes to those of the world when the joint is added. The step that adds the joint replaces it by a local
+    /// one.
     FromGlobal(Quat),
 }
 

@@ -14,9 +14,9 @@ use std::ops::BitOr;
 
 /// A joint of which each of the six axes is free, locked, limited, driven or slowed by friction on its own. All are free at first.
 ///
-/// The axes are those of the frame on body 1. If one rotation is not locked, it is the angle about its axis with all its turns, and the others are
-/// the tilt of that axis. So it is if one of several rotations has a limit or a target beyond a quarter turn. Otherwise the rotations are the parts
-/// of the rotation vector, which tells up to three quarters of a turn.
+/// The axes are those of the frame on body 1. If one rotation is not locked, it is the angle about its axis with all its turns, and the
+/// others are the tilt of that axis. So it is if one of several rotations has a limit or a target beyond a quarter turn. Otherwise the
+/// rotations are the parts of the rotation vector, which tells up to three quarters of a turn.
 ///
 /// ```
 /// use bevy_transform::components::Transform;

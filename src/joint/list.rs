@@ -50,8 +50,8 @@ macro_rules! joint_types {
             (count, found)
         }
 
-        /// Joints that take no part in the simulation yet and have bodies, valid or not, in spawn order: those that were added since the last
-        /// step, and those that wait for a body.
+        /// Joints that take no part in the simulation yet and have bodies, valid or not, in spawn order: those that were added since the
+        /// last step, and those that wait for a body.
         pub(crate) fn added(world: &World) -> Vec<(Entity, [Option<Entity>; 2])> {
             // Before the first step there is nothing that they could join.
             let Some(mut joints) = world.try_query_filtered::<Entity, DetachedJoints>() else {

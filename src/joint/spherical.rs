@@ -13,10 +13,11 @@ use glam::{Quat, Vec3};
 
 /// A ball in a socket: the anchors stay together, and the bodies turn freely about them. For links of a chain, shoulders, hips, pendulums.
 ///
-/// Two kinds of limits bound the rotation of body 2 relative to body 1. With a swing cone, the *swing* is the angle between the twist axes of
-/// both bodies, the same in all directions, and the *twist* is the rotation about that axis with all its turns, which does not depend on the swing.
-/// Swing limits are a box: the two axes across the twist axis have limits of their own. Without a cone they are of the parts of the rotation
-/// vector, and so is the twist; with one, or with limits of the twist alone that reach beyond a quarter turn, of the tilt of the twist axis.
+/// Two kinds of limits bound the rotation of body 2 relative to body 1. With a swing cone, the *swing* is the angle between the twist axes
+/// of both bodies, the same in all directions, and the *twist* is the rotation about that axis with all its turns, which does not depend on
+/// the swing. Swing limits are a box: the two axes across the twist axis have limits of their own. Without a cone they are of the parts of
+/// the rotation vector, and so is the twist; with one, or with limits of the twist alone that reach beyond a quarter turn, of the tilt of
+/// the twist axis.
 ///
 /// ```
 /// use bevy_transform::components::Transform;

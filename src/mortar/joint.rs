@@ -10,10 +10,11 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::Reflect;
 use glam::Vec2;
 
-/// A mortar joint: the bond of two bodies at one patch of contact. [`Mortar`] makes it, an entity for each patch; despawn it to break the bond.
+/// A mortar joint: the bond of two bodies at one patch of contact. [`Mortar`] makes it, an entity for each patch; despawn it to break the
+/// bond.
 ///
-/// It holds the bodies as they were when it was made, like a [`FixedJoint`](crate::joint::FixedJoint), until the stress in the patch exceeds its
-/// strength. [`JointForces`] has the force and the torque about the centre of the patch.
+/// It holds the bodies as they were when it was made, like a [`FixedJoint`](crate::joint::FixedJoint), until the stress in the patch
+/// exceeds its strength. [`JointForces`] has the force and the torque about the centre of the patch.
 #[derive(Component, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug))]
 #[cfg_attr(
@@ -59,8 +60,8 @@ impl MortarJoint {
         section(self.corners).area
     }
 
-    /// The highest stress in the patch under the forces of the last step, as a share of the strength: of the tensile strength or of the shear
-    /// strength, whichever is greater. The bond breaks above 1.
+    /// The highest stress in the patch under the forces of the last step, as a share of the strength: of the tensile strength or of the
+    /// shear strength, whichever is greater. The bond breaks above 1.
     pub fn utilization(&self, forces: &JointForces) -> f32 {
         self.section().utilization(forces.filtered).share
     }

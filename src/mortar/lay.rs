@@ -1,7 +1,7 @@
 //! Part of the stage *narrowphase*: bonds bodies that have fresh [`Mortar`] to those that they touch.
 //!
-//! It makes a joint for each patch in the same step, and ends the pairs of bodies that are bonded, so that they do not fall for a step. Pairs
-//! are visited in spawn order, so the bonds do not depend on entities.
+//! It makes a joint for each patch in the same step, and ends the pairs of bodies that are bonded, so that they do not fall for a step.
+//! Pairs are visited in spawn order, so the bonds do not depend on entities.
 
 use super::patch::Patch;
 use super::{Mortar, MortarJoint};

@@ -1,8 +1,8 @@
 //! Mortar: bonds between bricks that hold tension and shear, and break patch by patch.
 //!
-//! Put [`Mortar`] on a brick and lay it: in the first step in which a face of it rests on faces of other bodies, it is bonded to them, and the
-//! component is removed. Each patch of contact is a bond of its own, an entity with [`MortarJoint`]. When the stress in a patch exceeds its
-//! strength the bond breaks: [`MortarBroke`] is sent, and the bricks touch as dry stone from then on.
+//! Put [`Mortar`] on a brick and lay it: in the first step in which a face of it rests on faces of other bodies, it is bonded to them, and
+//! the component is removed. Each patch of contact is a bond of its own, an entity with [`MortarJoint`]. When the stress in a patch exceeds
+//! its strength the bond breaks: [`MortarBroke`] is sent, and the bricks touch as dry stone from then on.
 //!
 //! ```
 //! use bevy_ecs::message::Messages;
@@ -39,36 +39,36 @@
 //! ```
 //!
 //! # What is bonded
-//! Mortar bonds faces: patches of three or more points, at most a millimetre apart, that move against each other by less than 5 cm/s. Of two
-//! bodies that touch, one with fresh mortar is enough; if both have some, the lesser strengths count. A brick that falls or is carried keeps its
-//! mortar until it rests. Static bodies may have mortar as well as dynamic ones. Structures from [`masonry`](crate::masonry) are laid with mortar
-//! by spawning `(block.bundle(), Mortar::default())`.
+//! Mortar bonds faces: patches of three or more points, at most a millimetre apart, that move against each other by less than 5 cm/s. Of
+//! two bodies that touch, one with fresh mortar is enough; if both have some, the lesser strengths count. A brick that falls or is carried
+//! keeps its mortar until it rests. Static bodies may have mortar as well as dynamic ones. Structures from [`masonry`](crate::masonry) are
+//! laid with mortar by spawning `(block.bundle(), Mortar::default())`.
 //!
 //! # The law
-//! The bodies are rigid and the mortar is thin and even, so the stress is linear over a patch, as in a beam. With the force N, V and the moments
-//! M, T about the centroid of the patch:
+//! The bodies are rigid and the mortar is thin and even, so the stress is linear over a patch, as in a beam. With the force N, V and the
+//! moments M, T about the centroid of the patch:
 //!
 //! | breaks by | when, at some corner |
 //! |---|---|
 //! | [tension](MortarFailure::Tension) | −N/A + M₁/W₁ + M₂/W₂ > tensile strength |
 //! | [shear](MortarFailure::Shear) | V/A + T·r/I_p > cohesion + friction · N/A |
 //!
-//! Mortar is not crushed. Forces are filtered by a low-pass of 10 ms ([`BreakForce::response`](crate::joint::BreakForce::response), of a `BreakForce`
-//! on the joint), so that a bond breaks at the same load at every length of a step. Of neighbours that would break, the one nearest to breaking
-//! goes first, since that relieves the others: an overloaded cantilever breaks at its root and falls in one piece. Several bonds may break in a
-//! step, one after another.
+//! Mortar is not crushed. Forces are filtered by a low-pass of 10 ms ([`BreakForce::response`](crate::joint::BreakForce::response), of a
+//! `BreakForce` on the joint), so that a bond breaks at the same load at every length of a step. Of neighbours that would break, the one
+//! nearest to breaking goes first, since that relieves the others: an overloaded cantilever breaks at its root and falls in one piece.
+//! Several bonds may break in a step, one after another.
 //!
-//! Bonds of a structure share its load by their areas. A bond also breaks if an edit moves its bodies apart ([`MortarFailure::Misfit`]). Bodies that
-//! are despawned take their bonds along; those of a disabled body come back with it.
+//! Bonds of a structure share its load by their areas. A bond also breaks if an edit moves its bodies apart ([`MortarFailure::Misfit`]).
+//! Bodies that are despawned take their bonds along; those of a disabled body come back with it.
 //!
 //! # Bonds are joints
-//! A bond is an edge of the constraint graph of the kind *joint*: bonded bodies sleep and wake together, and loads, supports, previews and queries of
-//! [`joint`](crate::joint) treat it like any other joint. A bonded pair has no contact; it is found again in the step after its last bond broke. So of
-//! a pair with several patches, those that broke do not bear pressure until all have broken.
+//! A bond is an edge of the constraint graph of the kind *joint*: bonded bodies sleep and wake together, and loads, supports, previews and
+//! queries of [`joint`](crate::joint) treat it like any other joint. A bonded pair has no contact; it is found again in the step after its
+//! last bond broke. So of a pair with several patches, those that broke do not bear pressure until all have broken.
 //!
-//! All bonds of a structure are solved together, directly, which does not yield however long a cantilever is. It costs more than contacts while the
-//! structure is awake: a wall of 39 bricks 0.2 ms a step at rest and 1.6 ms while it tumbles, one of 410 bricks 5 to 8 ms and 54 ms. At rest it
-//! sleeps and costs nothing. Under [the point solvers](crate::solver::points) bonds are weak.
+//! All bonds of a structure are solved together, directly, which does not yield however long a cantilever is. It costs more than contacts
+//! while the structure is awake: a wall of 39 bricks 0.2 ms a step at rest and 1.6 ms while it tumbles, one of 410 bricks 5 to 8 ms and 54
+//! ms. At rest it sleeps and costs nothing. Under [the point solvers](crate::solver::points) bonds are weak.
 
 mod events;
 mod joint;
@@ -91,8 +91,8 @@ use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Fresh mortar on a body: in the first step in which it rests on other bodies, face to face, it is bonded to all of them, and the component
-/// is removed. Insert it again to bond the body to what it touches by then.
+/// Fresh mortar on a body: in the first step in which it rests on other bodies, face to face, it is bonded to all of them, and the
+/// component is removed. Insert it again to bond the body to what it touches by then.
 ///
 /// The default has the characteristic strengths of clay bricks in a common cement mortar (EN 1996-1-1, 3.6: M2.5 to M9).
 #[derive(Component, Clone, Copy, Debug, PartialEq)]

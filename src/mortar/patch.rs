@@ -46,8 +46,8 @@ impl Moments {
 }
 
 impl Patch {
-    /// The patch between points (world, m) of a plane with this normal, by the four that enclose most of it; none if its area is not larger than
-    /// `least`, m².
+    /// The patch between points (world, m) of a plane with this normal, by the four that enclose most of it; none if its area is not larger
+    /// than `least`, m².
     pub fn new(points: &[Vec3], normal: Vec3, least: f32) -> Option<Self> {
         let (y, z) = normal.any_orthonormal_pair();
         let y = if y.cross(z).dot(normal) < 0.0 { -y } else { y };

@@ -20,8 +20,8 @@ pub(super) struct Candidate {
 
 pub(super) type Candidates = SmallVec<[Candidate; 8]>;
 
-/// Smaller components of a normal are rounding and count as zero. A box on the ground has some of 1e-20; the solver multiplies them with each
-/// other and with velocities at rest, and processors take a hundred times as long for the subnormal products.
+/// Smaller components of a normal are rounding and count as zero. A box on the ground has some of 1e-20; the solver multiplies them with
+/// each other and with velocities at rest, and processors take a hundred times as long for the subnormal products.
 const NONE: f32 = 1e-12;
 
 /// A longer list is not sorted by insertion.
@@ -49,8 +49,8 @@ pub(super) fn sort_deepest_first(points: &mut [Candidate]) {
 /// Adds a patch, its deepest point first.
 ///
 /// The solver visits points in this order. With few iterations, the points visited first take more than their share of the load. If that is
-/// always the same corner, the body leans over it; if it is the deepest point, the body is righted. This reduces the drift of walls and stacks
-/// by a factor of 4 to 10 (`docs/findings.md`).
+/// always the same corner, the body leans over it; if it is the deepest point, the body is righted. This reduces the drift of walls and
+/// stacks by a factor of 4 to 10 (`docs/findings.md`).
 pub(super) fn push(
     manifold: &mut Manifold,
     bodies: [&BodyState; 2],

@@ -18,7 +18,8 @@ use smallvec::smallvec;
 /// Distance below which two centres coincide, as a share of the smaller radius.
 const COINCIDENT: f32 = 1e-6;
 
-/// Separates two bodies in the same place. The direction depends on the two bodies; otherwise many bodies would be pushed out along one line.
+/// Separates two bodies in the same place. The direction depends on the two bodies; otherwise many bodies would be pushed out along one
+/// line.
 fn separate_coincident(a: &BodyState, b: &BodyState, manifold: &mut Manifold) {
     let normal = (scattered(a.spawn_order.0) - scattered(b.spawn_order.0)).normalize_or(Vec3::Y);
     let distance = -a.radius.min(b.radius);
@@ -30,8 +31,8 @@ fn separate_coincident(a: &BodyState, b: &BodyState, manifold: &mut Manifold) {
     push(manifold, [a, b], normal, false, smallvec![middle]);
 }
 
-/// A pseudorandom point of the unit cube for a number, by wyhash: <https://github.com/wangyi-fudan/wyhash>. It is written out here because its
-/// results are part of the simulation's bits, which a release of another crate must not change.
+/// A pseudorandom point of the unit cube for a number, by wyhash: <https://github.com/wangyi-fudan/wyhash>. It is written out here because
+/// its results are part of the simulation's bits, which a release of another crate must not change.
 fn scattered(number: u64) -> Vec3 {
     const STRIDE: u64 = 0x2d35_8dcc_aa6c_78a5;
     const MIX: u64 = 0x8bb8_4b93_962e_acc9;
@@ -44,8 +45,8 @@ fn scattered(number: u64) -> Vec3 {
     Vec3::from_array(std::array::from_fn(coordinate))
 }
 
-/// Fills an empty manifold with the points whose distance is at most `reach`, m. `old` is the last manifold. Returns a lower bound of the distance
-/// of the two bodies, m; −∞ if none is known.
+/// Fills an empty manifold with the points whose distance is at most `reach`, m. `old` is the last manifold. Returns a lower bound of the
+/// distance of the two bodies, m; −∞ if none is known.
 pub(super) fn detect(
     rules: &Rules,
     a: &BodyState,
@@ -179,8 +180,8 @@ impl WithTwo for Two<'_> {
     }
 }
 
-/// Adds the contacts of the faces beside an edge, within reach, to the edge contact of a slender body. A blow at one edge makes a rod spin so fast
-/// about its length that its face would sink in by the thickness of the rod within the step.
+/// Adds the contacts of the faces beside an edge, within reach, to the edge contact of a slender body. A blow at one edge makes a rod spin
+/// so fast about its length that its face would sink in by the thickness of the rod within the step.
 fn find_beside<A: Solid, B: Solid>(
     a: &A,
     b: &B,

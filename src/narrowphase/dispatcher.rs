@@ -1,6 +1,6 @@
-//! Contacts of composite shapes. Parry finds which parts of meshes, height fields and compounds may touch. The contacts of convex parts that are
-//! polyhedra, cylinders, cones or two capsules are computed here ([`polyhedra`](super::polyhedra), [`round`](super::round), [`capsules`]), all
-//! others by parry.
+//! Contacts of composite shapes. Parry finds which parts of meshes, height fields and compounds may touch. The contacts of convex parts
+//! that are polyhedra, cylinders, cones or two capsules are computed here ([`polyhedra`](super::polyhedra), [`round`](super::round),
+//! [`capsules`]), all others by parry.
 
 use super::capsules;
 use super::forms::{Form, WithTwo, ours, with_two};
@@ -173,8 +173,8 @@ impl Parts<'_> {
         Placement::new(self.place.translation.as_dvec3(), rotation)
     }
 
-    /// The normal, or at an inner edge of a surface the normal of the faces there, because an inner edge must not be hit by itself. `None` if there is
-    /// no contact.
+    /// The normal, or at an inner edge of a surface the normal of the faces there, because an inner edge must not be hit by itself. `None`
+    /// if there is no contact.
     fn constrained(&self, normal: DVec3) -> Option<DVec3> {
         let single = normal.as_vec3();
         let mut of_a = single;

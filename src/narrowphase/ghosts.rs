@@ -1,12 +1,13 @@
 //! Ghost contacts: what slides or rolls over surfaces that lie flush side by side must not hit the edges between them.
 //!
-//! The contact of a ball with a floor brick ahead of it is that brick's nearest edge, and its normal leans against the motion. Alone the brick
-//! would be an obstacle there. But the brick on which the ball rolls ends at the same edge, and its top lies in the same plane: the two together
-//! have no edge. At large steps such contacts lie ahead of the body, and stop it before it is there.
+//! The contact of a ball with a floor brick ahead of it is that brick's nearest edge, and its normal leans against the motion. Alone the
+//! brick would be an obstacle there. But the brick on which the ball rolls ends at the same edge, and its top lies in the same plane: the
+//! two together have no edge. At large steps such contacts lie ahead of the body, and stop it before it is there.
 //!
-//! A contact at point p with normal n is a ghost if another piece covers it. The piece has a face through p; the obstacle does not rise above that
-//! face; and the piece extends beyond p along n, so that n leads through the piece. Pieces are bodies, and the parts of compounds, meshes and height
-//! fields. A step, a gap, the edge of a table and a convex ridge are no ghosts: there is no such face, or the piece ends at p along n.
+//! A contact at point p with normal n is a ghost if another piece covers it. The piece has a face through p; the obstacle does not rise
+//! above that face; and the piece extends beyond p along n, so that n leads through the piece. Pieces are bodies, and the parts of
+//! compounds, meshes and height fields. A step, a gap, the edge of a table and a convex ridge are no ghosts: there is no such face, or the
+//! piece ends at p along n.
 //!
 //! Other engines remove such contacts within a mesh: see *ghost vertices* in Box2D and *enhanced internal edge removal* in Jolt.
 
@@ -32,8 +33,8 @@ const LEANS: f32 = 1e-4;
 /// A normal is along a face if the cosine between it and the face's normal is below this.
 const ASIDE: f32 = 0.1;
 
-/// Bodies with flat faces that tilt against each other touch with the normal of a face of one of them. It is no ghost if the cosine between it and the
-/// covering face is larger than this (3°).
+/// Bodies with flat faces that tilt against each other touch with the normal of a face of one of them. It is no ghost if the cosine between
+/// it and the covering face is larger than this (3°).
 const TILTED: f32 = 0.9986;
 
 /// A body with more edges than this is ground, which does not slide over the bodies on it.
@@ -109,8 +110,8 @@ impl Surroundings<'_> {
         }
     }
 
-    /// Returns true if a contact at a point of the obstacle's surface is covered by another piece. A normal is that of a face if the cosine between
-    /// the two is larger than `max_cosine`.
+    /// Returns true if a contact at a point of the obstacle's surface is covered by another piece. A normal is that of a face if the cosine
+    /// between the two is larger than `max_cosine`.
     fn is_ghost(&self, side: &Side, at: Vec3, (normal, max_cosine): (Vec3, f32)) -> bool {
         if self.graph.edges_of(side.other_slot).len() > MAX_EDGES {
             return false;
@@ -213,8 +214,8 @@ impl<'a> Side<'a> {
         )
     }
 
-    /// Returns false if the normal is certainly not that of an edge. This is the quick answer for most contacts of boxes. Faces of convex bodies
-    /// that another body hits sideways are left out when the contact is detected: see `polyhedra/seams.rs`.
+    /// Returns false if the normal is certainly not that of an edge. This is the quick answer for most contacts of boxes. Faces of convex
+    /// bodies that another body hits sideways are left out when the contact is detected: see `polyhedra/seams.rs`.
     fn has_edge_along(&self, normal: Vec3) -> bool {
         let local = || self.obstacle.pose.rotation.inverse() * normal;
         if !self.other.shape().is_some_and(Shape::is_convex) {

@@ -1,13 +1,13 @@
-//! Matching of contact points with those of the last step: first by their features, then by distance to the points that either body has carried
-//! along. Matched points inherit impulses, sticking and anchors.
+//! Matching of contact points with those of the last step: first by their features, then by distance to the points that either body has
+//! carried along. Matched points inherit impulses, sticking and anchors.
 
 use super::polyhedra::FeatureId;
 use crate::contact::{ContactPoint, Manifold, ManifoldPatch, Origins};
 use glam::Quat;
 use smallvec::SmallVec;
 
-/// Matches the points of a manifold with those of the last one: first points with the same feature, then points that are nearer to each other than
-/// `radius` (m). `turns` are the rotations of A and B since then.
+/// Matches the points of a manifold with those of the last one: first points with the same feature, then points that are nearer to each
+/// other than `radius` (m). `turns` are the rotations of A and B since then.
 pub(crate) fn match_points(
     old: &Manifold,
     new: &Manifold,

@@ -1,8 +1,8 @@
 //! Detection of contacts at the place where two bodies will meet later in the step.
 //!
-//! Contacts are detected at the start of a step. Bodies that are still apart then may meet with other faces than those that are nearest now, and with other
-//! lever arms. So their contact is detected once more, with both bodies where they meet, and moved back along their motion. This gives oblique
-//! blows their friction and their spin, and keeps the angular momentum of two bodies.
+//! Contacts are detected at the start of a step. Bodies that are still apart then may meet with other faces than those that are nearest
+//! now, and with other lever arms. So their contact is detected once more, with both bodies where they meet, and moved back along their
+//! motion. This gives oblique blows their friction and their spin, and keeps the angular momentum of two bodies.
 
 use super::Rules;
 use super::detect::detect;
@@ -17,13 +17,13 @@ use glam::Vec3;
 /// Bodies that move past each other by less than this share of the smaller one's size until they meet are not detected again.
 const ASIDE: f32 = 0.005;
 
-/// A body that moves by more than so many times its size in a step keeps the lever arms that it has at the start of the step. With those that it has where it
-/// meets another body, friction would set it spinning by as many radians a step, and its corners would pass through walls, since lever arms are fixed during a
-/// step. Over the long way to the other body friction cannot turn it. A ball has no corners.
+/// A body that moves by more than so many times its size in a step keeps the lever arms that it has at the start of the step. With those
+/// that it has where it meets another body, friction would set it spinning by as many radians a step, and its corners would pass through
+/// walls, since lever arms are fixed during a step. Over the long way to the other body friction cannot turn it. A ball has no corners.
 const TUMBLING: f32 = 2.0;
 
-/// Finds the contact of two bodies whose faces do not face each other now, if they meet within the step. `apart` is a lower bound of their distance, and
-/// `reach` that of the search, m.
+/// Finds the contact of two bodies whose faces do not face each other now, if they meet within the step. `apart` is a lower bound of their
+/// distance, and `reach` that of the search, m.
 pub(super) fn find(
     rules: &Rules,
     [a, b]: [&BodyState; 2],
@@ -167,8 +167,8 @@ fn move_back(found: &mut Manifold, [a, b]: [&BodyState; 2], moved: &[BodyState; 
 /// Two bodies that fly past each other may touch if they are no farther apart than this share of the envelope.
 const TOUCHING: f32 = 0.1;
 
-/// Sets that bodies meet straight ahead, for patches whose points are apart and do not know where they meet. Bodies that move by less than the envelope past
-/// each other are at rest within it; lever arms that change there would make them creep.
+/// Sets that bodies meet straight ahead, for patches whose points are apart and do not know where they meet. Bodies that move by less than
+/// the envelope past each other are at rest within it; lever arms that change there would make them creep.
 fn go_straight(rules: &Rules, [a, b]: [&BodyState; 2], manifold: &mut Manifold) {
     let outer = rules.stabilization.outer_distance();
     let apart = match passing::flight(a, b, rules.time.dt) > outer {

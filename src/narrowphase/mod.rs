@@ -160,8 +160,8 @@ impl Reach {
         self.recycle_share * a.size.min(b.size)
     }
 
-    /// The distance beyond which the contacts of two bodies are not even searched, m. It is larger than that of a search: a body that is hit
-    /// in this step moves farther than it was expected to.
+    /// The distance beyond which the contacts of two bodies are not even searched, m. It is larger than that of a search: a body that is
+    /// hit in this step moves farther than it was expected to.
     pub fn search(&self, a: &BodyState, b: &BodyState) -> f32 {
         self.meeting(a, b) + self.little(a, b)
     }
@@ -230,8 +230,8 @@ type Kept<'a> = (
     &'a mut ContactTargets,
 );
 
-/// Brings the contacts of a pair up to date. Returns a value if the pair has begun or ceased to have points, or to touch: whether the bodies
-/// have parted, that is, touched in the last step and no longer do.
+/// Brings the contacts of a pair up to date. Returns a value if the pair has begun or ceased to have points, or to touch: whether the
+/// bodies have parted, that is, touched in the last step and no longer do.
 fn look(
     rules: &Rules,
     [a, b]: [&BodyState; 2],

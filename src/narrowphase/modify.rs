@@ -1,7 +1,7 @@
 //! Part of the stage *narrowphase*: calls [`ContactHooks`], and finds the pairs whose surfaces move ([`SurfaceVelocity`]).
 //!
-//! It visits only pairs of bodies that have one of these components, on several threads if they are many. A pair that loses points is detected anew in the next step, so that a hook
-//! always sees all points.
+//! It visits only pairs of bodies that have one of these components, on several threads if they are many. A pair that loses points is
+//! detected anew in the next step, so that a hook always sees all points.
 
 use crate::body::{BodyIndex, BodyState, BodyTable, Simulated, limits};
 use crate::collider::SurfaceVelocity;

@@ -155,8 +155,8 @@ struct Face {
 }
 
 impl Face {
-    /// Returns true if the triangles of both contacts are in one plane. Equal contact normals are not sufficient: a flat body on a ridge has the same
-    /// normal on both sides of it, and four points of both sides together may leave out the ridge.
+    /// Returns true if the triangles of both contacts are in one plane. Equal contact normals are not sufficient: a flat body on a ridge
+    /// has the same normal on both sides of it, and four points of both sides together may leave out the ridge.
     fn continues_in(&self, other: &Self) -> bool {
         let (Some(here), Some(there)) = (self.plane, other.plane) else {
             return false;

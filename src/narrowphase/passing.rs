@@ -1,9 +1,9 @@
 //! Detection of bodies that pass each other without touching.
 //!
-//! A speculative contact is an infinite plane. At large steps a fast body would hit the plane of an edge that it flies past: at Δt 0.1 s a brick
-//! that moved 10 cm above a stack at 8 m/s knocked it down. Therefore the shapes of fast pairs that are still apart are cast once along the motion
-//! of the step, and pairs that miss each other have no contact. Conversely, a pair without points that face each other, such as corner against
-//! corner, may have some before the end of the step.
+//! A speculative contact is an infinite plane. At large steps a fast body would hit the plane of an edge that it flies past: at Δt 0.1 s a
+//! brick that moved 10 cm above a stack at 8 m/s knocked it down. Therefore the shapes of fast pairs that are still apart are cast once
+//! along the motion of the step, and pairs that miss each other have no contact. Conversely, a pair without points that face each other,
+//! such as corner against corner, may have some before the end of the step.
 
 use crate::body::{BodyState, Pose};
 use crate::collider::{Approach, first_touch};
@@ -18,7 +18,8 @@ const FAST: f32 = 0.25;
 /// A pair that moves less than this share of the smaller body's size in a step counts as still.
 const SLOW: f32 = 0.005;
 
-/// Returns true if all points are farther apart than `near` (m), and the bodies also stay farther apart than that along their motion within `dt`.
+/// Returns true if all points are farther apart than `near` (m), and the bodies also stay farther apart than that along their motion within
+/// `dt`.
 pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32, dt: f32) -> bool {
     let far = manifold.points.iter().all(|p| p.distance > near);
     far && is_fast(a, b, dt) && matches!(first_contact(a, b, near, dt), Ok(None))
@@ -42,8 +43,8 @@ pub(super) fn time_until_contact(a: &BodyState, b: &BodyState, dt: f32) -> Optio
     }
 }
 
-/// Two bodies after a time, s, with their velocities at the start of the step. The meeting of fast bodies is searched without their rotation, unless that
-/// sweeps far.
+/// Two bodies after a time, s, with their velocities at the start of the step. The meeting of fast bodies is searched without their
+/// rotation, unless that sweeps far.
 pub(super) fn after([a, b]: [&BodyState; 2], time: f32, dt: f32) -> [BodyState; 2] {
     let turns = !is_fast(a, b, dt) || sweeps_far([a, b], dt);
     [a, b].both(|body| {
@@ -73,8 +74,8 @@ pub(super) fn sweeps_far([a, b]: [&BodyState; 2], dt: f32) -> bool {
     sweep([a, b], dt) > FAST * a.size.min(b.size)
 }
 
-/// Upper bound of how far rotation moves the surfaces of two bodies where they may meet, m. That of slender dynamic bodies is left out: a blow changes it at
-/// once, and their contacts are searched along their whole length.
+/// Upper bound of how far rotation moves the surfaces of two bodies where they may meet, m. That of slender dynamic bodies is left out: a
+/// blow changes it at once, and their contacts are searched along their whole length.
 fn sweep([a, b]: [&BodyState; 2], dt: f32) -> f32 {
     let apart = (a.center - b.center).length();
     let way = |body: &BodyState, other: &BodyState| {
@@ -87,8 +88,8 @@ fn sweep([a, b]: [&BodyState; 2], dt: f32) -> f32 {
     way(a, b) + way(b, a)
 }
 
-/// How far fast bodies are moved into each other to find the points in which they meet, as a share of the smaller one's size. Edges that meet exactly
-/// would only graze each other.
+/// How far fast bodies are moved into each other to find the points in which they meet, as a share of the smaller one's size. Edges that
+/// meet exactly would only graze each other.
 const DEEPER: f32 = 0.1;
 
 /// Whether the pair moves by at least the share [`FAST`] of the smaller body's size in a step.
@@ -101,7 +102,8 @@ pub(super) fn flight(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
     (a.velocity.linear - b.velocity.linear).length() * dt
 }
 
-/// Returns the first time within `dt` (s) at which the distance of two bodies is at most `near` (m), or an error if the shapes cannot be cast.
+/// Returns the first time within `dt` (s) at which the distance of two bodies is at most `near` (m), or an error if the shapes cannot be
+/// cast.
 fn first_contact(
     a: &BodyState,
     b: &BodyState,
@@ -141,8 +143,8 @@ fn first_contact(
     Ok(hit.map(|hit| hit.time_of_impact))
 }
 
-/// Returns the first time within `dt` (s) at which two bodies that turn touch. This is conservative advancement: the time advances by the distance over an upper
-/// bound of the speed at which surfaces approach each other.
+/// Returns the first time within `dt` (s) at which two bodies that turn touch. This is conservative advancement: the time advances by the
+/// distance over an upper bound of the speed at which surfaces approach each other.
 fn first_contact_of_turning([a, b]: [&BodyState; 2], dt: f32) -> Option<f32> {
     /// Most hits need ten steps. After so many the shapes count as touching.
     const STEPS: usize = 50;

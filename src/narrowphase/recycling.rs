@@ -1,11 +1,11 @@
 //! Recycling: a manifold is kept while its two bodies have hardly moved relative to each other since it was detected.
 //!
-//! Normal and lever arms stay fixed in the world; only distances are updated. This saves most of collision detection at rest, and it makes stacks
-//! steadier: lever arms that are computed anew in every step pump energy into tall stacks. Box2D, Box3D and Rapier recycle contacts for the
-//! same reasons.
+//! Normal and lever arms stay fixed in the world; only distances are updated. This saves most of collision detection at rest, and it makes
+//! stacks steadier: lever arms that are computed anew in every step pump energy into tall stacks. Box2D, Box3D and Rapier recycle contacts
+//! for the same reasons.
 //!
-//! For bodies that are apart only their distance is kept. Until they have approached each other by that distance, they need not be checked. In a
-//! falling heap this applies to nine pairs of ten.
+//! For bodies that are apart only their distance is kept. Until they have approached each other by that distance, they need not be checked.
+//! In a falling heap this applies to nine pairs of ten.
 
 use crate::body::BodyState;
 use crate::contact::{CachedRelativePose, Manifold, NarrowphaseCache, ParryManifold};
@@ -65,15 +65,15 @@ impl CachedRelativePose {
         }
     }
 
-    /// Returns true if the bodies moved by at most `limit` (m), and everything within `reach` now was within the reach of the search. `moved` is the
-    /// distance that they moved, m.
+    /// Returns true if the bodies moved by at most `limit` (m), and everything within `reach` now was within the reach of the search.
+    /// `moved` is the distance that they moved, m.
     #[inline]
     pub(crate) fn holds(&self, moved: f32, limit: f32, reach: f32) -> bool {
         moved <= limit && reach + moved <= self.reach
     }
 
-    /// Returns true if the two are known to be farther apart than `reach`, m. This is so if their bounding spheres are, or if their distance at the last
-    /// detection was greater than `reach` and the motion `since` then.
+    /// Returns true if the two are known to be farther apart than `reach`, m. This is so if their bounding spheres are, or if their
+    /// distance at the last detection was greater than `reach` and the motion `since` then.
     pub(crate) fn is_apart(
         &self,
         a: &BodyState,

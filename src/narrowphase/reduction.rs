@@ -1,8 +1,9 @@
 //! Reduction of a patch to four points that support a body like the whole polygon.
 //!
-//! Two square faces rotated slightly against each other meet in an octagon with unevenly spaced corners. Each point is a spring to a soft solver, so
-//! the side with more points is stiffer, and the body on it leans: a stack of 20 with 0.01 rad of yaw fell because of that alone. The corners that
-//! matter are the two points farthest from each other, and the farthest point on either side of the line between them.
+//! Two square faces rotated slightly against each other meet in an octagon with unevenly spaced corners. Each point is a spring to a soft
+//! solver, so the side with more points is stiffer, and the body on it leans: a stack of 20 with 0.01 rad of yaw fell because of that
+//! alone. The corners that matter are the two points farthest from each other, and the farthest point on either side of the line between
+//! them.
 
 use super::candidates::Candidates;
 use glam::Vec3;

@@ -1,14 +1,14 @@
 //! Previews of edits: [`preview()`] runs an edit on a copy of the world, and reports which bodies would move and where to.
 //!
 //! A [`Shadow`] is a small world of its own: a copy of the structures that the edit affects, and of the bodies near them, with their
-//! contact impulses. It takes steps until everything in it is at rest, which takes milliseconds for a hundred bricks. With the default
-//! step length, that of the world, it moves exactly as the world would, to the bit, as long as no other body comes near. With longer
-//! steps it finishes sooner, but falling bodies end up only roughly where they would. Where the world's steps are shorter than 1/240 s, those of
-//! a preview are longer, so that it ends in time.
+//! contact impulses. It takes steps until everything in it is at rest, which takes milliseconds for a hundred bricks. With the default step
+//! length, that of the world, it moves exactly as the world would, to the bit, as long as no other body comes near. With longer steps it
+//! finishes sooner, but falling bodies end up only roughly where they would. Where the world's steps are shorter than 1/240 s, those of a
+//! preview are longer, so that it ends in time.
 //!
 //! The copy has none of your own systems, and no hands. It leaves out bodies that were despawned or disabled since the last step. Bodies
-//! that were spawned or moved since then are where they are now, if the world has been [refreshed](crate::refresh()); joints that were added
-//! since then hold.
+//! that were spawned or moved since then are where they are now, if the world has been [refreshed](crate::refresh()); joints that were
+//! added since then hold.
 //!
 //! ```
 //! use bevy_transform::components::Transform;
@@ -81,8 +81,8 @@ pub struct PreviewSettings {
     /// Length of a step, s. `None` uses that of the world's last step, or before the first step that of `Time<Fixed>`, or 1/60 s if there
     /// is no such clock. Default: `None`.
     ///
-    /// Steps that would be more than 2400 in the maximum time are lengthened to that number, but not beyond 1/60 s: a preview in slow motion takes no
-    /// more steps than one at 240 Hz.
+    /// Steps that would be more than 2400 in the maximum time are lengthened to that number, but not beyond 1/60 s: a preview in slow
+    /// motion takes no more steps than one at 240 Hz.
     pub dt: Option<f32>,
     /// Maximum simulated time, s. Bodies that still move then are left where they are. Default: 10.
     pub max_time: f32,

@@ -106,7 +106,8 @@ impl<'w> Region<'w> {
         Ok(region)
     }
 
-    /// Adds the structure that a body is in: the bodies that it touches or is joined to, those that they touch, and so on, up to static and kinematic bodies.
+    /// Adds the structure that a body is in: the bodies that it touches or is joined to, those that they touch, and so on, up to static and
+    /// kinematic bodies.
     fn add(&mut self, world: &World, first: u32) {
         let mut next = vec![first];
         while let Some(slot) = next.pop() {

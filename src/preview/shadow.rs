@@ -20,17 +20,18 @@ use parry3d::bounding_volume::Aabb;
 /// A body that has been still for this time counts as at rest, s.
 const STILL: f32 = 0.25;
 
-/// A body counts as not falling if it has hardly moved since the beginning and its speed is below this share of the speed limits of sleeping.
-/// Before the time [`STILL`] has passed, the share is proportionally lower. To fall nevertheless, the body would have to accelerate faster than
-/// a tipping body does.
+/// A body counts as not falling if it has hardly moved since the beginning and its speed is below this share of the speed limits of
+/// sleeping. Before the time [`STILL`] has passed, the share is proportionally lower. To fall nevertheless, the body would have to
+/// accelerate faster than a tipping body does.
 const SPEED_SHARE: f32 = 0.4;
 
-/// Before the time [`STILL`] has passed, the full share [`SPEED_SHARE`] holds for a body whose speed is below this multiple of that in the step
-/// before: it comes to rest, because a body that begins to fall gains speed. The springs of contacts that were unloaded push bodies away with
-/// some mm/s, and a quarter less in each step.
+/// Before the time [`STILL`] has passed, the full share [`SPEED_SHARE`] holds for a body whose speed is below this multiple of that in the
+/// step before: it comes to rest, because a body that begins to fall gains speed. The springs of contacts that were unloaded push bodies
+/// away with some mm/s, and a quarter less in each step.
 const SLOWING: f32 = 0.9;
 
-/// No world counts as at rest before this time, s: two steps at 60 Hz. In a shorter time nothing gets fast enough to be told from what rests.
+/// No world counts as at rest before this time, s: two steps at 60 Hz. In a shorter time nothing gets fast enough to be told from what
+/// rests.
 const SOONEST: f32 = 0.03;
 
 /// Number of steps beyond which steps are lengthened, but not beyond those of 60 Hz. It is that of ten seconds at 240 Hz.
@@ -147,8 +148,8 @@ impl Shadow {
 
     /// Takes steps until all bodies are at rest or [`PreviewSettings::max_time`] is over.
     ///
-    /// If no body has begun to move after a few steps, the world counts as at rest: in one step of 1/60 s a falling body reaches a speed that a body
-    /// at rest may have after a quarter of a second.
+    /// If no body has begun to move after a few steps, the world counts as at rest: in one step of 1/60 s a falling body reaches a speed
+    /// that a body at rest may have after a quarter of a second.
     ///
     /// # Errors
     /// [`PreviewError::InvalidSettings`] if the settings are invalid.

@@ -147,8 +147,8 @@ pub(super) fn posed(collider: &Collider, pose: Pose) -> Result<Pose, QueryError>
 impl SpatialQuery<'_, '_> {
     /// The first body that a shape touches on a straight path without rotation: from a pose, in a direction, within `max_distance` (m).
     ///
-    /// A shape that rests on something may be cast from there: what it touches is hit, at distance 0, if the shape moves against it, and is not
-    /// hit if the shape moves along it or away. Overlaps and gaps of up to 0.05 mm count as touching, and more far from the origin.
+    /// A shape that rests on something may be cast from there: what it touches is hit, at distance 0, if the shape moves against it, and is
+    /// not hit if the shape moves along it or away. Overlaps and gaps of up to 0.05 mm count as touching, and more far from the origin.
     ///
     /// # Errors
     /// [`QueryError`] if the pose or direction is not finite, the distance is negative, the shape is degenerate or unbounded, or it

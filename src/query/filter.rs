@@ -86,8 +86,8 @@ impl<'a> QueryFilter<'a> {
 
     /// Sets whether rays treat shapes as solid. Default: `true`.
     ///
-    /// A ray that starts inside a solid shape hits it at once, at distance 0. A ray that starts inside a hollow shape (`false`) hits it where
-    /// the ray leaves it.
+    /// A ray that starts inside a solid shape hits it at once, at distance 0. A ray that starts inside a hollow shape (`false`) hits it
+    /// where the ray leaves it.
     pub fn solid(mut self, solid: bool) -> Self {
         self.solid = solid;
         self
@@ -95,7 +95,8 @@ impl<'a> QueryFilter<'a> {
 
     /// Ignores the bodies that a ray or shape overlaps or touches at its start. Default: they are hit at distance 0.
     ///
-    /// Use it to cast a brick that lies on another one without hitting the brick below. An ignored body is not hit later on the path either.
+    /// Use it to cast a brick that lies on another one without hitting the brick below. An ignored body is not hit later on the path
+    /// either.
     pub fn ignoring_start(mut self) -> Self {
         self.ignores_start = true;
         self

@@ -1,9 +1,9 @@
 //! Shapes that touch something where a cast begins.
 //!
-//! What rests overlaps what it rests on by some micrometres, and rounding of positions adds to that. A cast from rest must not be stopped by this:
-//! not by the body below when it goes away from it or along it, and not by the neighbours of that body, whose sides are as much too high. So a cast
-//! asks first what its shape [touches](Touches) at the start. If there is something, it hits only what it comes deeper into than shapes that touch: what
-//! it would overlap as well if it was lifted off what it touches.
+//! What rests overlaps what it rests on by some micrometres, and rounding of positions adds to that. A cast from rest must not be stopped
+//! by this: not by the body below when it goes away from it or along it, and not by the neighbours of that body, whose sides are as much
+//! too high. So a cast asks first what its shape [touches](Touches) at the start. If there is something, it hits only what it comes deeper
+//! into than shapes that touch: what it would overlap as well if it was lifted off what it touches.
 
 use super::{QueryFilter, SpatialQuery};
 use crate::body::Pose;
@@ -28,8 +28,8 @@ pub(super) struct Touches {
 }
 
 impl Touches {
-    /// None yet, for a shape about a place of the world. Single precision knows positions no better than to some 10⁻⁷ of the distance from the
-    /// origin.
+    /// None yet, for a shape about a place of the world. Single precision knows positions no better than to some 10⁻⁷ of the distance from
+    /// the origin.
     fn at(place: Vec3) -> Self {
         Self {
             normals: SmallVec::new(),
@@ -87,7 +87,8 @@ impl SpatialQuery<'_, '_> {
     }
 }
 
-/// Calls a function with the directions off the parts of a shape that the parts of another one touch, which is at a pose in the frame of the first.
+/// Calls a function with the directions off the parts of a shape that the parts of another one touch, which is at a pose in the frame of
+/// the first.
 fn each_touch(
     shape: &dyn Shape,
     other: &dyn Shape,
@@ -189,8 +190,8 @@ pub(super) fn contact(
     }
 }
 
-/// Calls a function with the shape within a shape that is rounded, and by how much it is enlarged, m. Parry knows the distance of capsules and rounded
-/// shapes less well than that of what is within.
+/// Calls a function with the shape within a shape that is rounded, and by how much it is enlarged, m. Parry knows the distance of capsules
+/// and rounded shapes less well than that of what is within.
 fn with_core(shape: &dyn Shape, found: &mut dyn FnMut(&dyn Shape, f32)) {
     if let Some(capsule) = shape.as_capsule() {
         found(&capsule.segment, capsule.radius);

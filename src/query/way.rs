@@ -42,8 +42,8 @@ fn hit(way: f32, touch: &Contact) -> ShapeCastHit {
 type Found = Result<Option<ShapeCastHit>, Unsupported>;
 
 impl Way {
-    /// The first hit of a shape on another one. Its first point and normal are those of the other one, in its frame. Which of the two is divided
-    /// into parts first is as in parry.
+    /// The first hit of a shape on another one. Its first point and normal are those of the other one, in its frame. Which of the two is
+    /// divided into parts first is as in parry.
     pub fn first_hit(&self, shape: &dyn Shape, other: &dyn Shape) -> Found {
         let convex = shape.as_support_map().is_some() && other.as_support_map().is_some();
         let swapped = |hit: Option<ShapeCastHit>| hit.map(|hit| hit.swapped());
@@ -79,8 +79,8 @@ impl Way {
 
     /// The first place on its way where a convex shape touches another one.
     fn first_touch(&self, shape: &dyn Shape, other: &dyn Shape) -> Found {
-        /// The normal is that of the closest points so much before the hit, m, or where they are so far apart: the smaller the gap, the less is known
-        /// about its direction.
+        /// The normal is that of the closest points so much before the hit, m, or where they are so far apart: the smaller the gap, the
+        /// less is known about its direction.
         const BEFORE: f32 = 1e-3;
         const APART: f32 = 2e-4;
         /// The flattest angle for which this is looked at.
@@ -116,8 +116,8 @@ impl Way {
         Ok(Some(hit(way, &touch)))
     }
 
-    /// Whether a convex shape that has gone some way (m) comes deeper into another one than shapes that touch. On a straight way the depth first grows
-    /// and then decreases, so it is enough to look at some places, at first close to each other.
+    /// Whether a convex shape that has gone some way (m) comes deeper into another one than shapes that touch. On a straight way the depth
+    /// first grows and then decreases, so it is enough to look at some places, at first close to each other.
     fn enters(&self, shape: &dyn Shape, other: &dyn Shape, way: f32) -> Result<bool, Unsupported> {
         /// How far a shape is lifted, as a multiple of the depth of shapes that touch.
         const LIFT: f32 = 1.2;
@@ -140,8 +140,8 @@ impl Way {
             at.translation += self.direction * (way + on);
             // Directions are as exact as single precision.
             let rounding = 2.0 * f32::EPSILON * on;
-            // Parry takes some shapes that nearly touch for shapes that overlap, and finds a wrong depth of others. Both tests have to agree, and no
-            // depth is larger than the way since the shapes touched.
+            // Parry takes some shapes that nearly touch for shapes that overlap, and finds a wrong depth of others. Both tests have to
+            // agree, and no depth is larger than the way since the shapes touched.
             let depths = reach + rounding..2.0 * reach + on;
             let contact = contact(other, shape, &at, 0.0)?;
             let mut enters = contact.is_some_and(|contact| depths.contains(&-contact.dist));

@@ -16,8 +16,8 @@
 //! | checksum of the three parts before | 4 |
 //! | contents | |
 //!
-//! A file is written from front to back, so that it is of use up to the last whole chunk if the game ends in the middle of one. The checksum of the
-//! head tells a length that was damaged from a chunk that was cut off.
+//! A file is written from front to back, so that it is of use up to the last whole chunk if the game ends in the middle of one. The
+//! checksum of the head tells a length that was damaged from a chunk that was cut off.
 
 use crate::snapshot::bytes::Checksum;
 

@@ -1,7 +1,7 @@
 //! What was changed from outside between two steps, as it is written and replayed.
 //!
-//! Values are recorded, not actions: what every entity that was touched has become, and what hooks have noted for the next step. So a replay need
-//! not repeat the order of the actions, and a value that was written twice is recorded once.
+//! Values are recorded, not actions: what every entity that was touched has become, and what hooks have noted for the next step. So a
+//! replay need not repeat the order of the actions, and a value that was written twice is recorded once.
 
 use super::kinds;
 use super::resources::{AnyResource, Value};
@@ -38,7 +38,8 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// The components whose values are recorded. If some were removed, those are all that it has: when a replay removes them, hooks may remove others, too.
+    /// The components whose values are recorded. If some were removed, those are all that it has: when a replay removes them, hooks may
+    /// remove others, too.
     pub fn recorded(&self) -> Kinds {
         self.has.unwrap_or(self.written)
     }

@@ -38,7 +38,8 @@ pub(super) fn is_removed_by_users(kind: Kind) -> bool {
     !is_of_pair(kind) && kind.type_id() != TypeId::of::<Inactive>()
 }
 
-/// Finds the entities for which a component was inserted or written after `since`. Tables in which no entity is drystone's are left out by `is_own`.
+/// Finds the entities for which a component was inserted or written after `since`. Tables in which no entity is drystone's are left out by
+/// `is_own`.
 pub(super) fn find_written(
     kind: Kind,
     world: &World,
@@ -159,8 +160,8 @@ fn put_one(value: &mut Values, world: &mut World, entity: Entity, is_written: bo
             _ => {
                 let differs = cells.values.as_slice().first_difference(value.as_slice());
                 let differs = differs.is_some();
-                // Equal values that were written may have other bits: 0 and -0. A value that was not written is not replaced by an equal one, because stages
-                // compare compound shapes by identity: an equal shape would count as a new one.
+                // Equal values that were written may have other bits: 0 and -0. A value that was not written is not replaced by an equal
+                // one, because stages compare compound shapes by identity: an equal shape would count as a new one.
                 if differs || is_written {
                     cells.values.swap(&mut value.as_mut());
                 }

@@ -3,8 +3,9 @@
 use super::recorder::{Recorder, RecorderSettings};
 use bevy_app::{App, Plugin};
 
-/// Records an app from the beginning, all that its startup systems spawn included. The plugin is not part of [`DrystonePlugins`](crate::DrystonePlugins); add
-/// it with them. To record only a part of a game, call [`Recorder::start`] and [`Recorder::stop`] instead.
+/// Records an app from the beginning, all that its startup systems spawn included. The plugin is not part of
+/// [`DrystonePlugins`](crate::DrystonePlugins); add it with them. To record only a part of a game, call [`Recorder::start`] and
+/// [`Recorder::stop`] instead.
 ///
 /// If the app cannot be recorded, for example because the file cannot be written, that is logged as an error.
 ///

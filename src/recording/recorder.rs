@@ -40,11 +40,11 @@ const BYTES: usize = 1 << 20;
 pub struct RecorderSettings {
     /// The file to write. By default the recording is kept in memory, and [`Recorder::stop`] returns it.
     ///
-    /// The file is written once a second or so, and when the recording stops or the world is dropped, also by a panic. If the process is killed, the last
-    /// second is missing.
+    /// The file is written once a second or so, and when the recording stops or the world is dropped, also by a panic. If the process is
+    /// killed, the last second is missing.
     pub path: Option<PathBuf>,
-    /// A snapshot is taken after so many steps, so that a replay gets to the end of a long recording in less time. None by default: a snapshot of
-    /// 1 000 bricks takes milliseconds and about half a megabyte.
+    /// A snapshot is taken after so many steps, so that a replay gets to the end of a long recording in less time. None by default: a
+    /// snapshot of 1 000 bricks takes milliseconds and about half a megabyte.
     pub key_frames_every: Option<NonZeroU32>,
 }
 

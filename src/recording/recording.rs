@@ -65,8 +65,8 @@ impl Recording {
     /// [`is_whole`](Self::is_whole) returns false.
     ///
     /// # Errors
-    /// If the bytes are not a recording, are of another version, end before the first step, or are damaged. The checksums find damage; they do not protect
-    /// from bytes that were made on purpose, so read only those that you trust.
+    /// If the bytes are not a recording, are of another version, end before the first step, or are damaged. The checksums find damage; they
+    /// do not protect from bytes that were made on purpose, so read only those that you trust.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, RecordingError> {
         let rest = bytes.strip_prefix(NAME).ok_or(RecordingError::Foreign)?;
         let (version, mut rest) = rest.split_first_chunk().ok_or(RecordingError::Empty)?;

@@ -79,8 +79,9 @@ impl fmt::Debug for Replay<'_> {
 }
 
 impl<'a> Replay<'a> {
-    /// Starts a replay: gives the world the state in which the recording started. As by [`Snapshot::restore`], entities of drystone that were there are
-    /// despawned. The world needs the plugins of the world that was recorded, and its code: hooks of contacts, and systems between the stages.
+    /// Starts a replay: gives the world the state in which the recording started. As by [`Snapshot::restore`], entities of drystone that
+    /// were there are despawned. The world needs the plugins of the world that was recorded, and its code: hooks of contacts, and systems
+    /// between the stages.
     ///
     /// # Errors
     /// If the world lacks a plugin. It is as it was then.
@@ -100,7 +101,8 @@ impl<'a> Replay<'a> {
         })
     }
 
-    /// Keeps a snapshot of every so many steps that it passes, so that [`seek`](Self::seek) gets back to them in less time. None by default.
+    /// Keeps a snapshot of every so many steps that it passes, so that [`seek`](Self::seek) gets back to them in less time. None by
+    /// default.
     pub fn with_kept_every(mut self, steps: NonZeroUsize) -> Self {
         self.keeps_every = Some(steps);
         self
@@ -116,7 +118,8 @@ impl<'a> Replay<'a> {
         self.map.get(&recorded).copied()
     }
 
-    /// The first body that has differed from the recording, if one has. The replay goes on after it, but what it shows is not what happened.
+    /// The first body that has differed from the recording, if one has. The replay goes on after it, but what it shows is not what
+    /// happened.
     pub fn divergence(&self) -> Option<&Divergence> {
         self.divergence.as_ref()
     }
@@ -164,7 +167,8 @@ impl<'a> Replay<'a> {
         Ok(())
     }
 
-    /// Goes to the state after so many steps, forwards or backwards: from the nearest snapshot at or before it, by taking the steps in between.
+    /// Goes to the state after so many steps, forwards or backwards: from the nearest snapshot at or before it, by taking the steps in
+    /// between.
     ///
     /// # Errors
     /// If the recording has fewer steps, or the world does not take one.

@@ -25,11 +25,12 @@ pub(super) trait AnyResource: Send + Sync {
     /// Makes the world know the resource.
     fn register(&self, world: &mut World) -> ComponentId;
 
-    /// Whether only stages write it. If it is written between two steps, the state was replaced, a part of it was taken out or put back, or a pair was
-    /// despawned.
+    /// Whether only stages write it. If it is written between two steps, the state was replaced, a part of it was taken out or put back, or
+    /// a pair was despawned.
     fn is_of_stages(&self) -> bool;
 
-    /// Whether hooks note in it what users have changed. It is recorded with every change, because the hooks of a replay may have noted something else.
+    /// Whether hooks note in it what users have changed. It is recorded with every change, because the hooks of a replay may have noted
+    /// something else.
     fn is_of_hooks(&self) -> bool;
 
     /// A step has ended, or the recording begins: what is noted from here on comes from outside.
@@ -125,8 +126,8 @@ impl Value for Noted {
     }
 }
 
-/// The changes of joints that hooks have noted since the last step ended. Earlier ones were noted by stages, so a replay has them already. They may name
-/// bonds of mortar that stages have spawned and despawned, and the recording does not know those entities.
+/// The changes of joints that hooks have noted since the last step ended. Earlier ones were noted by stages, so a replay has them already.
+/// They may name bonds of mortar that stages have spawned and despawned, and the recording does not know those entities.
 #[derive(Default)]
 struct Changes {
     of_stages: ChangeCounts,

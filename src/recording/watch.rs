@@ -1,8 +1,8 @@
 //! Finds what was changed from outside since the last step ended.
 //!
-//! Change ticks tell what was written: first those of whole columns (Bevy's summary ticks), then, in columns that have changed, those of rows. What
-//! stages write is older than the tick at the end of the step, so it does not count. An observer notes entities that lost a component, because
-//! nothing else tells of it. So a step before which nothing was changed costs a look at each column of each table.
+//! Change ticks tell what was written: first those of whole columns (Bevy's summary ticks), then, in columns that have changed, those of
+//! rows. What stages write is older than the tick at the end of the step, so it does not count. An observer notes entities that lost a
+//! component, because nothing else tells of it. So a step before which nothing was changed costs a look at each column of each table.
 
 use super::edits::{Row, Touched};
 use super::kinds::{self, is_of_pair, is_shared};
@@ -238,8 +238,8 @@ impl Watch {
         }
     }
 
-    /// Whether the `Transform` of a body is where the last step left it. Interpolation writes the transforms of all bodies in every frame, and puts them
-    /// back before the next step.
+    /// Whether the `Transform` of a body is where the last step left it. Interpolation writes the transforms of all bodies in every frame,
+    /// and puts them back before the next step.
     fn is_put_back(&self, world: &World, entity: Entity) -> bool {
         let Ok(body) = world.get_entity(entity) else {
             return false;

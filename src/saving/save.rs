@@ -35,10 +35,11 @@ type Numbered = (
     Option<&'static BodyIndex>,
 );
 
-/// Gives all bodies, colliders and joints the component [`Saved`]. Call it before you extract a scene, and extract the scene before the next step.
+/// Gives all bodies, colliders and joints the component [`Saved`]. Call it before you extract a scene, and extract the scene before the
+/// next step.
 ///
-/// Returns the entities that belong to the scene: bodies, colliders, joints, and the entities above them in the hierarchy. Entities with none of these
-/// are for you to add.
+/// Returns the entities that belong to the scene: bodies, colliders, joints, and the entities above them in the hierarchy. Entities with
+/// none of these are for you to add.
 pub fn prepare(world: &mut World) -> Vec<Entity> {
     let mut contacts: EntityHashMap<Vec<(SpawnOrder, SavedContact)>> = EntityHashMap::default();
     let mut pairs = world.query::<Pairs>();
@@ -89,8 +90,8 @@ pub fn prepare(world: &mut World) -> Vec<Entity> {
     entities
 }
 
-/// The types of components that are computed, and that belong to one world. Loading a scene skips them, so a scene need not hold them: it is half as
-/// long without.
+/// The types of components that are computed, and that belong to one world. Loading a scene skips them, so a scene need not hold them: it
+/// is half as long without.
 pub fn computed(world: &World) -> impl Iterator<Item = TypeId> {
     let components = world.components().iter_registered();
     let computed = components.filter(|(_, component)| {

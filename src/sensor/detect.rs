@@ -30,7 +30,8 @@ impl Detector<'_> {
             && self.zone.layers().collides_with(other.properties.layers)
     }
 
-    /// Whether a shape of another body overlaps the zone at the end of the step, at `to`, or has flown through it on the way `from` its pose at the start.
+    /// Whether a shape of another body overlaps the zone at the end of the step, at `to`, or has flown through it on the way `from` its
+    /// pose at the start.
     fn overlaps(&self, from: &ParryPose, to: &ParryPose, shape: &dyn Shape) -> bool {
         let here = placed(self.zone, self.pose);
         let zone = &**self.zone.shape.shape();

@@ -5,8 +5,8 @@ use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 
-/// A collider came into a [`Sensor`](super::Sensor). It is sent as a message, and triggered for observers of the sensor after the step. A body of
-/// several colliders sends it for each of them.
+/// A collider came into a [`Sensor`](super::Sensor). It is sent as a message, and triggered for observers of the sensor after the step. A
+/// body of several colliders sends it for each of them.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -22,8 +22,8 @@ pub struct SensorEntered {
     pub collider: Entity,
 }
 
-/// A collider left a [`Sensor`](super::Sensor), or one of the two was removed, disabled or changed so that it is not detected any more. It is sent
-/// as a message, and triggered for observers of the sensor after the step.
+/// A collider left a [`Sensor`](super::Sensor), or one of the two was removed, disabled or changed so that it is not detected any more. It
+/// is sent as a message, and triggered for observers of the sensor after the step.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Message, Debug))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -1,7 +1,7 @@
 //! The stage **sensors**: which bodies are inside a zone.
 //!
-//! A collider with the component [`Sensor`] touches nothing. It detects the bodies whose shape overlaps its own, wakes nobody and has no place in
-//! the [constraint graph](crate::graph). It may be a body, a part of a body, or stand alone.
+//! A collider with the component [`Sensor`] touches nothing. It detects the bodies whose shape overlaps its own, wakes nobody and has no
+//! place in the [constraint graph](crate::graph). It may be a body, a part of a body, or stand alone.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -37,21 +37,21 @@
 //!
 //! # What a sensor detects
 //!
-//! - Dynamic and kinematic bodies, asleep or awake, at their poses at the end of the step. Static bodies only if the sensor belongs to a body that
-//!   is not static: a zone does not report its floor, a foot does.
+//! - Dynamic and kinematic bodies, asleep or awake, at their poses at the end of the step. Static bodies only if the sensor belongs to a
+//!   body that is not static: a zone does not report its floor, a foot does.
 //! - Solid colliders, not other sensors, and not those of its own body.
-//! - Bodies whose [`CollisionLayers`](crate::collider::CollisionLayers) and [`CollisionExceptions`](crate::collider::CollisionExceptions) would let
-//!   them collide with it. The layers are those of the part and of the sensor, or else of their bodies.
-//! - Bodies that fly through it within a step, on the straight way between their poses at its start and its end. They are inside for that step.
-//!   Bodies that move by less than their thickness cannot.
+//! - Bodies whose [`CollisionLayers`](crate::collider::CollisionLayers) and [`CollisionExceptions`](crate::collider::CollisionExceptions)
+//!   would let them collide with it. The layers are those of the part and of the sensor, or else of their bodies.
+//! - Bodies that fly through it within a step, on the straight way between their poses at its start and its end. They are inside for that
+//!   step. Bodies that move by less than their thickness cannot.
 //!
 //! Shapes are compared exactly, and touching counts as overlap. Meshes and height fields are surfaces: they overlap what crosses them.
 //! [Spatial queries](crate::query) do not find sensors.
 //!
 //! # Cost
 //!
-//! Only what moved is compared: bodies that moved with the sensors near them, and sensors that moved with the bodies near them. Bodies at rest in a
-//! sensor at rest cost nothing, however many they are (`cargo bench --bench sensors`).
+//! Only what moved is compared: bodies that moved with the sensors near them, and sensors that moved with the bodies near them. Bodies at
+//! rest in a sensor at rest cost nothing, however many they are (`cargo bench --bench sensors`).
 
 mod detect;
 mod events;

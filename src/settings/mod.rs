@@ -124,12 +124,12 @@ pub struct SleepSettings {
     pub linear_speed: f32,
     /// A body counts as still below this angular speed, rad/s. Default: 0.02.
     pub angular_speed: f32,
-    /// An island falls asleep when all its bodies have been still for this time, s, and are [at rest](crate::body::Sleeping#when-bodies-fall-asleep).
-    /// If it is infinite, none does. Default: 0.5.
+    /// An island falls asleep when all its bodies have been still for this time, s, and are [at
+    /// rest](crate::body::Sleeping#when-bodies-fall-asleep). If it is infinite, none does. Default: 0.5.
     pub delay: f32,
-    /// Rate at which the bodies of a tall structure lose speed, 1/s, once all are slower than ten times `linear_speed` and `angular_speed`. Without
-    /// it, a wall that was hit sways for long. It does not act on structures of fewer than twelve courses or with joints, on bodies that roll, slide or
-    /// tip, or under a point solver. 0 turns it off. Default: 1.
+    /// Rate at which the bodies of a tall structure lose speed, 1/s, once all are slower than ten times `linear_speed` and `angular_speed`.
+    /// Without it, a wall that was hit sways for long. It does not act on structures of fewer than twelve courses or with joints, on bodies
+    /// that roll, slide or tip, or under a point solver. 0 turns it off. Default: 1.
     pub settling: f32,
     /// Which sleeping bodies wake when awake ones touch them. Default: by need.
     pub waking: Waking,
@@ -146,8 +146,8 @@ pub struct SleepSettings {
 pub enum Waking {
     /// All bodies that are connected with them by contacts and joints. What is touched costs as much as all that it is connected with.
     Islands,
-    /// Those that the awake bodies hit, and those on which the forces change. What is touched costs as much as what has to move: a brick that
-    /// is laid on a wall wakes a few bricks below it.
+    /// Those that the awake bodies hit, and those on which the forces change. What is touched costs as much as what has to move: a brick
+    /// that is laid on a wall wakes a few bricks below it.
     ByNeed {
         /// A body wakes when the force on it, or the moment divided by its radius, changes by more than this share of the sum of the normal
         /// forces on it, without unit; and by less where little or nothing resists, as on hinges, on ice and on edges. Default: 0.02.

@@ -8,8 +8,8 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// Pauses physics, and makes it slower or faster, without a change of the app's own time. An app's steps follow it; [`step`](crate::step())
 /// and [`advance`](crate::advance()) do not, as they are given a length.
 ///
-/// Each step is as long as the step of the app times the relative speed. So slow motion has short steps, and is as smooth as the app. Default:
-/// running at speed 1.
+/// Each step is as long as the step of the app times the relative speed. So slow motion has short steps, and is as smooth as the app.
+/// Default: running at speed 1.
 ///
 /// ```
 /// use bevy_app::App;

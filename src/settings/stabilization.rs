@@ -96,9 +96,9 @@ pub struct FrictionStabilization {
     pub max_separation: f32,
     /// Maximum rotation of the normal in the frame of either body, rad. Beyond it the anchor is deleted. Default: 0.1.
     pub max_turn: f32,
-    /// Speed below which a patch that slides under a steady load keeps its anchor, m/s; the solver drags the anchor along. At 0, a body that is
-    /// pushed with nearly the force that its friction can hold creeps by some tenths of a millimetre a second. From 1e-4 to 3e-3 all values
-    /// prevent it. Only for [`SoftStep`](crate::solver::SoftStep) with [`AnchorRule::PairPose`]. Default: 4e-4.
+    /// Speed below which a patch that slides under a steady load keeps its anchor, m/s; the solver drags the anchor along. At 0, a body
+    /// that is pushed with nearly the force that its friction can hold creeps by some tenths of a millimetre a second. From 1e-4 to 3e-3
+    /// all values prevent it. Only for [`SoftStep`](crate::solver::SoftStep) with [`AnchorRule::PairPose`]. Default: 4e-4.
     pub creep_speed: f32,
 }
 

@@ -8,12 +8,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The thread pool for physics. Default: rayon's global pool. The results are the same bits on any number of threads.
 ///
-/// Bevy has threads of its own, in three pools. Both wait asleep, and a step waits for its work, so that the two compete only for what runs beside the
-/// step: tasks, a pipelined renderer, systems of other schedules. In a game that fills all cores with those, divide the cores:
+/// Bevy has threads of its own, in three pools. Both wait asleep, and a step waits for its work, so that the two compete only for what runs
+/// beside the step: tasks, a pipelined renderer, systems of other schedules. In a game that fills all cores with those, divide the cores:
 /// [`new`](Self::new) limits the threads of physics, and `TaskPoolOptions` of Bevy's `TaskPoolPlugin` limits Bevy's.
 ///
-/// A large step runs on one of these threads as a whole, unless the [`PhysicsSchedule`](crate::schedule::PhysicsSchedule) has a system of yours
-/// that is exclusive or needs data of the main thread. Run conditions in that schedule must not need such data.
+/// A large step runs on one of these threads as a whole, unless the [`PhysicsSchedule`](crate::schedule::PhysicsSchedule) has a system of
+/// yours that is exclusive or needs data of the main thread. Run conditions in that schedule must not need such data.
 #[derive(Resource, Clone, Debug)]
 #[component(clone_behavior = Ignore)]
 pub struct PhysicsThreads {
@@ -23,8 +23,8 @@ pub struct PhysicsThreads {
     was_divided: Arc<AtomicBool>,
 }
 
-/// Number of pairs at rest that are as much work as one item. The next stage, which may run on one thread, reads from the caches of several cores
-/// what they have written: with one pair for one item, a wall of 2 400 bricks (7 200 pairs) took a tenth longer on two threads.
+/// Number of pairs at rest that are as much work as one item. The next stage, which may run on one thread, reads from the caches of several
+/// cores what they have written: with one pair for one item, a wall of 2 400 bricks (7 200 pairs) took a tenth longer on two threads.
 const LIGHT: usize = 4;
 
 impl Default for PhysicsThreads {
@@ -49,8 +49,8 @@ impl PhysicsThreads {
         })
     }
 
-    /// Sets the minimum number of items (pairs or contact points) for which work is divided among threads. Default: [`Self::DEFAULT_MIN_ITEMS`].
-    /// Results do not depend on it.
+    /// Sets the minimum number of items (pairs or contact points) for which work is divided among threads. Default:
+    /// [`Self::DEFAULT_MIN_ITEMS`]. Results do not depend on it.
     #[must_use]
     pub fn with_min_items(mut self, items: usize) -> Self {
         self.min_items = items;
@@ -83,8 +83,8 @@ impl PhysicsThreads {
         })
     }
 
-    /// Does two things, at the same time if there are enough items: `ahead` in the thread pool, which it may divide, and `here` on the calling
-    /// thread. Otherwise `here` comes first.
+    /// Does two things, at the same time if there are enough items: `ahead` in the thread pool, which it may divide, and `here` on the
+    /// calling thread. Otherwise `here` comes first.
     pub(crate) fn beside<A: Send, B>(
         &self,
         items: usize,
@@ -122,9 +122,9 @@ impl PhysicsThreads {
         self.was_divided.load(Ordering::Relaxed)
     }
 
-    /// Runs a whole step, on a thread of the pool if work of the last step was divided. Otherwise each stage would hand its work to the pool and
-    /// wait for it, and its data would go from the cache of one core to that of another and back: a wall of 5 000 bricks took a fifth longer
-    /// on two threads than on one.
+    /// Runs a whole step, on a thread of the pool if work of the last step was divided. Otherwise each stage would hand its work to the
+    /// pool and wait for it, and its data would go from the cache of one core to that of another and back: a wall of 5 000 bricks took a
+    /// fifth longer on two threads than on one.
     pub(crate) fn run_step<R: Send>(&self, step: impl FnOnce() -> R + Send) -> R {
         if !self.was_divided.swap(false, Ordering::Relaxed) {
             return step();

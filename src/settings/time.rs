@@ -7,8 +7,8 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Valid lengths of a step, s, in any order. Single precision cannot divide by shorter ones; longer ones are a mistake.
 ///
-/// What rests stays at rest in steps up to half a second. In very short ones motion is coarse: a body moves if its way in the step is more than half the
-/// rounding of its coordinates, 2·10⁻⁷ m between 2 and 4 m from the origin. Its speed is exact all the same.
+/// What rests stays at rest in steps up to half a second. In very short ones motion is coarse: a body moves if its way in the step is more
+/// than half the rounding of its coordinates, 2·10⁻⁷ m between 2 and 4 m from the origin. Its speed is exact all the same.
 pub const STEP_LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
 
 /// Number and length of the current substep. Written by [`step`](crate::step()); read-only for other systems.
@@ -72,7 +72,8 @@ impl StepTime {
         self.dt.min(self.previous_dt)
     }
 
-    /// The smallest [`max_recent_dt`](Self::max_recent_dt), s. An arch that is built in steps of 10⁻⁷ s throws its stones at 0.9 m/s without it.
+    /// The smallest [`max_recent_dt`](Self::max_recent_dt), s. An arch that is built in steps of 10⁻⁷ s throws its stones at 0.9 m/s
+    /// without it.
     const LEAST_RECENT: f32 = 5e-4;
 
     /// Time in which the longest recent step fades to 1/e of its length, s.

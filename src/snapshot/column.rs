@@ -90,7 +90,8 @@ impl Column {
         Some(self.values.one(self.index_of(layout, run, row)?))
     }
 
-    /// Takes the values of a world. `since` is the tick of the last step, if there was one. `kind` is the number of the component on the list.
+    /// Takes the values of a world. `since` is the tick of the last step, if there was one. `kind` is the number of the component on the
+    /// list.
     pub fn take(&mut self, kind: usize, world: &World, layout: &Layout, since: Option<Tick>) {
         self.starts.clear();
         self.edits.clear();
@@ -132,8 +133,8 @@ impl Column {
         self.values.truncate(len);
     }
 
-    /// Adds the values of a run after the first `len`, and notes those that were written since the last step. The memory of old values is used again.
-    /// Returns the number of values.
+    /// Adds the values of a run after the first `len`, and notes those that were written since the last step. The memory of old values is
+    /// used again. Returns the number of values.
     fn take_run(
         &mut self,
         first_row: usize,
@@ -204,8 +205,8 @@ impl Column {
         }
     }
 
-    /// Writes the values. Those that differ are marked as changed, if they are compared. Ticks of others are set to one that is older than the last run of
-    /// any system, as the kind says.
+    /// Writes the values. Those that differ are marked as changed, if they are compared. Ticks of others are set to one that is older than
+    /// the last run of any system, as the kind says.
     fn write_in_place(&self, world: &mut World, target: &Target, to: &mut Renaming) {
         let layout = target.layout;
         let now = world.change_tick();

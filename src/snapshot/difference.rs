@@ -35,11 +35,11 @@ impl fmt::Display for Difference {
 }
 
 impl Snapshot {
-    /// Finds the first value that differs between two snapshots, for debugging: it is slow. Entities are compared by their ids; `renamed` holds those that
-    /// have another id in `other`, as [`restore`](Self::restore) returns them.
+    /// Finds the first value that differs between two snapshots, for debugging: it is slow. Entities are compared by their ids; `renamed`
+    /// holds those that have another id in `other`, as [`restore`](Self::restore) returns them.
     ///
-    /// Numbers are compared by their shortest decimal form, so all bits count except those of a NaN. Revisions and change ticks are not compared: no
-    /// result depends on them. Neither are the vertices of shapes and the shape of trees.
+    /// Numbers are compared by their shortest decimal form, so all bits count except those of a NaN. Revisions and change ticks are not
+    /// compared: no result depends on them. Neither are the vertices of shapes and the shape of trees.
     pub fn first_difference(
         &self,
         other: &Self,

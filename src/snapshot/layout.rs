@@ -1,7 +1,7 @@
 //! Which entities a snapshot holds, and which components each of them has.
 //!
-//! An entity belongs to a snapshot if it has a component of drystone that is on the list of the [state](crate::state). So do the entities above
-//! it in the hierarchy, because their `Transform` decides where it is.
+//! An entity belongs to a snapshot if it has a component of drystone that is on the list of the [state](crate::state). So do the entities
+//! above it in the hierarchy, because their `Transform` decides where it is.
 
 use super::column::Column;
 use bevy_ecs::component::ComponentId;

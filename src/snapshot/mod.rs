@@ -32,11 +32,11 @@
 //!
 //! # What is restored
 //!
-//! - *Entities* with a component of drystone: bodies, colliders, joints, hands, sensors, contacts. Of these, all components on the list, and no
-//!   other: components of your game stay as they are. Entities above them in the hierarchy keep their place too.
-//! - Entities that were spawned since are despawned. Entities that were despawned since are spawned anew, with new ids and only the components on the
-//!   list; every reference among them follows. [`Snapshot::restore`] returns the new ids, so that you can give them their meshes, and update references
-//!   of your own.
+//! - *Entities* with a component of drystone: bodies, colliders, joints, hands, sensors, contacts. Of these, all components on the list,
+//!   and no other: components of your game stay as they are. Entities above them in the hierarchy keep their place too.
+//! - Entities that were spawned since are despawned. Entities that were despawned since are spawned anew, with new ids and only the
+//!   components on the list; every reference among them follows. [`Snapshot::restore`] returns the new ids, so that you can give them their
+//!   meshes, and update references of your own.
 //! - In another world every entity is a new one, and those of drystone that were there are despawned. That world needs the same plugins.
 //! - *Settings*, the clock of the step, and the hook of contacts.
 //! - Not messages: those that were sent and not read yet stay.
@@ -44,13 +44,14 @@
 //! # Speed
 //!
 //! Values are copied a table of the ECS at a time. In a large world a snapshot is taken on all [threads](crate::settings::PhysicsThreads).
-//! [`Snapshot::take_into`] uses the memory of an older snapshot again, which saves most of the allocations. A component is marked as changed only if its value differs, or if you had written it after the last step. The first step after a restore
-//! derives the problems of islands anew; the result is bitwise equal.
+//! [`Snapshot::take_into`] uses the memory of an older snapshot again, which saves most of the allocations. A component is marked as
+//! changed only if its value differs, or if you had written it after the last step. The first step after a restore derives the problems of
+//! islands anew; the result is bitwise equal.
 //!
 //! # Bytes
 //!
-//! With the feature `serde`, `Snapshot::to_bytes` writes a snapshot to bytes, and `to_bytes_after` what differs from an earlier one. That is little
-//! if little has moved.
+//! With the feature `serde`, `Snapshot::to_bytes` writes a snapshot to bytes, and `to_bytes_after` what differs from an earlier one. That
+//! is little if little has moved.
 
 #[cfg(feature = "serde")]
 pub(crate) mod bytes;
@@ -178,9 +179,9 @@ impl Snapshot {
 
     /// Makes the state of a world that of this snapshot. Call it between two steps.
     ///
-    /// Returns the entities of the snapshot that have other ids in the world, with the new ones: those that were despawned since the snapshot was taken,
-    /// or all of them if it was taken of another world. Then it has also those that the snapshot refers to although they were despawned before; their new ids
-    /// are of no entity either.
+    /// Returns the entities of the snapshot that have other ids in the world, with the new ones: those that were despawned since the
+    /// snapshot was taken, or all of them if it was taken of another world. Then it has also those that the snapshot refers to although
+    /// they were despawned before; their new ids are of no entity either.
     ///
     /// # Errors
     /// If the snapshot is empty, or the world lacks a plugin. Nothing has changed then.
@@ -250,8 +251,8 @@ impl Snapshot {
         map
     }
 
-    /// Makes the state of a world that of the snapshot. `entities` are those of the world by row; all of them exist. `is_same` says that they have the
-    /// components of the snapshot, and that there are no others.
+    /// Makes the state of a world that of the snapshot. `entities` are those of the world by row; all of them exist. `is_same` says that
+    /// they have the components of the snapshot, and that there are no others.
     fn write(&self, world: &mut World, entities: &[Entity], to: &mut Renaming, is_same: bool) {
         let layout = &self.layout;
         let on = On { layout, entities };

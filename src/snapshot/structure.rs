@@ -141,7 +141,8 @@ impl Differences {
     }
 }
 
-/// Inserts the components that an entity lacks, all at once: each further insertion would move it to another table. `parts` is memory that is used again.
+/// Inserts the components that an entity lacks, all at once: each further insertion would move it to another table. `parts` is memory that
+/// is used again.
 fn insert_missing(
     world: &mut World,
     columns: &[Column],

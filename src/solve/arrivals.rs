@@ -1,10 +1,10 @@
 //! Static loads for bodies that are added asleep.
 //!
-//! Sleeping islands are not solved. Without further care, the contacts of a body that is added asleep would have no impulses until its island
-//! wakes: queries of forces and supports would not include it, and the structure would take up its load only then. So in the step in which
-//! bodies are added, the contacts of their island get the forces that keep it still, [by statics](crate::solver::patches::settle), whatever
-//! the solver. Statics knows no joints: islands with joints [are solved](super::patches::settle_joined) without being moved, and their joints get
-//! their forces too. Islands of a [saved scene](crate::saving) get none, because they have the forces that they had.
+//! Sleeping islands are not solved. Without further care, the contacts of a body that is added asleep would have no impulses until its
+//! island wakes: queries of forces and supports would not include it, and the structure would take up its load only then. So in the step in
+//! which bodies are added, the contacts of their island get the forces that keep it still, [by statics](crate::solver::patches::settle),
+//! whatever the solver. Statics knows no joints: islands with joints [are solved](super::patches::settle_joined) without being moved, and
+//! their joints get their forces too. Islands of a [saved scene](crate::saving) get none, because they have the forces that they had.
 
 use super::patches::{settle, settle_joined};
 use super::{Solve, SolveRows};

@@ -1,17 +1,17 @@
-//! The stage **solve**: computes the impulses of every awake island with the chosen [`ContactSolver`](crate::settings::ContactSolver), islands
-//! in parallel, and stores them.
+//! The stage **solve**: computes the impulses of every awake island with the chosen [`ContactSolver`](crate::settings::ContactSolver),
+//! islands in parallel, and stores them.
 //!
 //! The stage [warm start](crate::warm_start) has prepared the problems, of points or of patches as the solver requires. Bodies have the
 //! velocities of their components when this stage begins. Bodies and contacts are ordered by their level of support and their spawn order
 //! ([`Islands`]), so the result does not depend on threads or on the memory layout of the ECS.
 //!
-//! The results are written back to the components (`store.rs`). A pair or a body is identified by its entity: if a user's system has removed
-//! it since it was gathered, nothing is stored for it.
+//! The results are written back to the components (`store.rs`). A pair or a body is identified by its entity: if a user's system has
+//! removed it since it was gathered, nothing is stored for it.
 //!
 //! Sleeping islands are not solved. Those that bodies were just added to get static loads (`arrivals.rs`).
 //!
-//! If a solve diverges although its input was validated, the island keeps the velocities and poses from before and loses its impulses. Other
-//! islands are not affected.
+//! If a solve diverges although its input was validated, the island keeps the velocities and poses from before and loses its impulses.
+//! Other islands are not affected.
 
 mod arrivals;
 mod patches;
@@ -287,8 +287,8 @@ fn take_back_if_wrong<R: SolveRows>(island: &mut Island<R>) {
     }
 }
 
-/// Returns true if a body's velocity is plausible. The limit is well above the speed limits, because a body that lands hard may be fast for a
-/// moment.
+/// Returns true if a body's velocity is plausible. The limit is well above the speed limits, because a body that lands hard may be fast for
+/// a moment.
 fn is_sound(body: &Body) -> bool {
     let [linear, angular] = body.motion.unwrap_or_default();
     [body.linear, linear]

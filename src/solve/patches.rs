@@ -65,8 +65,8 @@ impl SolveRows for PatchRows {
     }
 }
 
-/// Computes the static loads of the contacts instead of a solve, and sets the impulses of the step to these loads over the whole step. Returns
-/// false if a result is not finite.
+/// Computes the static loads of the contacts instead of a solve, and sets the impulses of the step to these loads over the whole step.
+/// Returns false if a result is not finite.
 pub(crate) fn settle(rows: &mut PatchRows, bodies: &mut [Body], context: &SolveContext) -> bool {
     patches::settle(&mut problem(rows, bodies, &mut [], &mut [], context));
     keep_for_step(rows, context)

@@ -98,8 +98,8 @@ impl Solve<'_> {
         }
     }
 
-    /// Stores the forces of joints, and finds those that break. A joint that breaks relieves those that it is connected with, so of these only the one
-    /// that is loaded most breaks. The others get another step.
+    /// Stores the forces of joints, and finds those that break. A joint that breaks relieves those that it is connected with, so of these
+    /// only the one that is loaded most breaks. The others get another step.
     fn store_joints<R: SolveRows>(&self, problems: &ProblemSet<R>, acting: &mut Acting) {
         let mut overloaded: Vec<Overloaded> = Vec::new();
         for gathered in &problems.joints.gathered {

@@ -1,7 +1,8 @@
 //! A sparse Cholesky factorization of a symmetric positive definite matrix of 6×6 blocks, with one row of blocks for each body.
 //!
-//! It is multifrontal: a front is a small dense matrix. Its first rows are eliminated, and the remainder is added to its parent. A front is stored as
-//! strips. A strip is a row of blocks, in which the six numbers of a column are adjacent in memory, so that products of strips are vectorized.
+//! It is multifrontal: a front is a small dense matrix. Its first rows are eliminated, and the remainder is added to its parent. A front is
+//! stored as strips. A strip is a row of blocks, in which the six numbers of a column are adjacent in memory, so that products of strips
+//! are vectorized.
 
 use super::order::{Front, Plan, Spot};
 

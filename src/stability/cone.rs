@@ -1,5 +1,5 @@
-//! Operations on the second-order cone ‖v‖ ≤ t of four numbers (t, v) that an interior-point method needs: products, the distance to the boundary, and
-//! the scaling.
+//! Operations on the second-order cone ‖v‖ ≤ t of four numbers (t, v) that an interior-point method needs: products, the distance to the
+//! boundary, and the scaling.
 
 /// The numbers t and v, in this order.
 pub(super) type Four = [f64; 4];

@@ -2,9 +2,9 @@
 //!
 //! min  q·u + Σ c τ  so that  l·u − Σ d τ = 1,  Gᵀu ≥ μ' τ at each corner,  ‖(Gᵀu)_t‖ ≤ τ for each face.
 //!
-//! Its unknowns x = (u, τ) are the velocities of bodies and the sliding speed of each face. Its dual variables are the largest load and the forces.
-//! All rows except the first form a matrix M, and M x must be within cones. The rows are ordered by face: first the corners, then (τ, (Gᵀu)_t) if the
-//! face has friction.
+//! Its unknowns x = (u, τ) are the velocities of bodies and the sliding speed of each face. Its dual variables are the largest load and the
+//! forces. All rows except the first form a matrix M, and M x must be within cones. The rows are ordered by face: first the corners, then
+//! (τ, (Gᵀu)_t) if the face has friction.
 
 use super::cone::Four;
 

@@ -1,8 +1,9 @@
-//! An interior-point method for the program of a structure: a primal-dual method with the scaling of Nesterov and Todd and with Mehrotra's predictor
-//! and corrector.
+//! An interior-point method for the program of a structure: a primal-dual method with the scaling of Nesterov and Todd and with Mehrotra's
+//! predictor and corrector.
 //!
-//! It solves the homogeneous self-dual embedding, which has two additional unknowns, t and κ. If there is a solution, the method ends with t > 0, and
-//! the solution is (x, y, z) / t. If there is none, it ends with t = 0 and a proof: a motion that nothing stops, or forces that carry any load.
+//! It solves the homogeneous self-dual embedding, which has two additional unknowns, t and κ. If there is a solution, the method ends with
+//! t > 0, and the solution is (x, y, z) / t. If there is none, it ends with t = 0 and a proof: a motion that nothing stops, or forces that
+//! carry any load.
 
 use super::cone::{product, quotient, reach};
 use super::cone_program::{Face, Motion, Program};
@@ -254,7 +255,8 @@ impl Method<'_> {
         (x, y)
     }
 
-    /// Computes Newton's direction. It reduces the residuals to the share `centering`, and the products of s and z and of t and κ by the given amounts.
+    /// Computes Newton's direction. It reduces the residuals to the share `centering`, and the products of s and z and of t and κ by the
+    /// given amounts.
     #[expect(clippy::too_many_arguments)]
     fn direction(
         &self,

@@ -1,14 +1,14 @@
 //! Safety margins by limit analysis: [`stability()`] computes how far a structure can be tilted, pulled or loaded before it fails, and
 //! how it fails. Needs the feature `stability`.
 //!
-//! Limit analysis rests on the static theorem (Heyman 1966; with friction, Livesley 1978): a structure of rigid blocks stands if there are joint
-//! forces that balance the loads, lie within the polygons in which faces touch, and lie within the cones of friction. A cone program
-//! (`interior.rs`) finds the largest load for which there are such forces. Its dual variables are the motion with which the structure fails. Nothing is
-//! simulated.
+//! Limit analysis rests on the static theorem (Heyman 1966; with friction, Livesley 1978): a structure of rigid blocks stands if there are
+//! joint forces that balance the loads, lie within the polygons in which faces touch, and lie within the cones of friction. A cone program
+//! (`interior.rs`) finds the largest load for which there are such forces. Its dual variables are the motion with which the structure
+//! fails. Nothing is simulated.
 //!
-//! The theorem assumes that sliding joints also open. A joint that is held from both sides cannot open, so the result is corrected in several rounds
-//! (`program.rs`), which start from the current normal forces. A brick that is pulled out of a wall is therefore held by the force that presses on it,
-//! and not by the weight of the whole wall.
+//! The theorem assumes that sliding joints also open. A joint that is held from both sides cannot open, so the result is corrected in
+//! several rounds (`program.rs`), which start from the current normal forces. A brick that is pulled out of a wall is therefore held by the
+//! force that presses on it, and not by the weight of the whole wall.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -110,14 +110,15 @@ pub enum JointFailure {
     Tips,
 }
 
-/// Maximum number of bodies in a structure: 5000. The time grows faster than their number: on one core, a wall of 100 bricks takes about 0.01 s, one
-/// of 1000 bricks 0.2 to 0.8 s, and one of 5000 bricks 3 to 10 s. Structures that fail by sliding take longest. A few loads that press inside a wall
-/// need eight rounds instead of one or two, and take that many times as long.
+/// Maximum number of bodies in a structure: 5000. The time grows faster than their number: on one core, a wall of 100 bricks takes about
+/// 0.01 s, one of 1000 bricks 0.2 to 0.8 s, and one of 5000 bricks 3 to 10 s. Structures that fail by sliding take longest. A few loads
+/// that press inside a wall need eight rounds instead of one or two, and take that many times as long.
 pub const MAX_BODIES: usize = 5000;
 
 /// Computes how much of a load a structure can take. Bodies that are not in `structure` are assumed not to move.
 ///
-/// It blocks until the answer is known, up to a second for a thousand bricks. [`stability_task`] does not block. In a system, use [`Stability`].
+/// It blocks until the answer is known, up to a second for a thousand bricks. [`stability_task`] does not block. In a system, use
+/// [`Stability`].
 ///
 /// # Errors
 /// [`StabilityError`] if the structure is empty, larger than [`MAX_BODIES`], or contains an entity that is not a dynamic body; if a
@@ -130,8 +131,8 @@ pub fn stability(
     Question::new(world, structure, trial)?.answer()
 }
 
-/// Computes how much of a load a structure can take, in a task on the [`AsyncComputeTaskPool`]. The structure is copied at once, so the world may
-/// change in the meantime.
+/// Computes how much of a load a structure can take, in a task on the [`AsyncComputeTaskPool`]. The structure is copied at once, so the
+/// world may change in the meantime.
 ///
 /// ```
 /// use bevy_ecs::prelude::*;

@@ -1,7 +1,7 @@
 //! The order in which a Cholesky factorization eliminates bodies, and the layout of its factor.
 //!
-//! The order depends only on which bodies touch, so it is computed once for all rounds. The next body is always one with the fewest remaining
-//! neighbours (minimum degree), which keeps the factor sparse.
+//! The order depends only on which bodies touch, so it is computed once for all rounds. The next body is always one with the fewest
+//! remaining neighbours (minimum degree), which keeps the factor sparse.
 
 use crate::solver::sort;
 use fixedbitset::FixedBitSet;
@@ -123,8 +123,8 @@ fn least_degree(
     (order, rests)
 }
 
-/// Returns an equivalent order, in which all children of a body come directly before it, the one with the most neighbours last. The parent of a body
-/// is the first of its remaining neighbours to be eliminated.
+/// Returns an equivalent order, in which all children of a body come directly before it, the one with the most neighbours last. The parent
+/// of a body is the first of its remaining neighbours to be eliminated.
 fn children_first(order: &[usize], tied: &[Vec<usize>]) -> Vec<usize> {
     let mut places = vec![0; order.len()];
     for (place, &body) in order.iter().enumerate() {

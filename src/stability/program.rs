@@ -2,15 +2,17 @@
 //!
 //! max λ  so that  Σ Gᵀf + w + λ l = 0 for each body,  f_n ≥ 0 at each corner of a face,  ‖(f_t, f_τ/r)‖ ≤ c + μ' Σ f_n for each face.
 //!
-//! Forces are in units of the mean weight of a body and lengths in units of the mean radius, so that the numbers are near 1. The dual variables of the
-//! balance are the velocities of the mechanism by which the structure fails: a motion in which the load does the work that weight and friction consume.
+//! Forces are in units of the mean weight of a body and lengths in units of the mean radius, so that the numbers are near 1. The dual
+//! variables of the balance are the velocities of the mechanism by which the structure fails: a motion in which the load does the work that
+//! weight and friction consume.
 //!
-//! With c = 0 and μ' = μ this is the theorem of plasticity, in which a sliding joint also opens, by μ times the sliding distance. A brick between others
-//! could then be pulled out only by lifting the wall, and would be held far too strongly. Therefore the width of a cone is set by the normal force N on
-//! the face: c = μ (1 − ε) N and μ' = ε μ (Gilbert, Casapulla, Ahmed 2006). They take N from the previous round. Many distributions N balance a load, and
-//! their rounds find the most favourable one, in which the wall hangs on the brick that is pulled. Here N is the current normal force plus the part
-//! that the load adds if all joints are equally soft (least squares). The second part is a multiple of λ, so the width in the program is c = c₀ + λ d.
-//! The only unknown of a round is which joints the load relieves completely. The first round assumes none, and usually is sufficient.
+//! With c = 0 and μ' = μ this is the theorem of plasticity, in which a sliding joint also opens, by μ times the sliding distance. A brick
+//! between others could then be pulled out only by lifting the wall, and would be held far too strongly. Therefore the width of a cone is
+//! set by the normal force N on the face: c = μ (1 − ε) N and μ' = ε μ (Gilbert, Casapulla, Ahmed 2006). They take N from the previous
+//! round. Many distributions N balance a load, and their rounds find the most favourable one, in which the wall hangs on the brick that is
+//! pulled. Here N is the current normal force plus the part that the load adds if all joints are equally soft (least squares). The second
+//! part is a multiple of λ, so the width in the program is c = c₀ + λ d. The only unknown of a round is which joints the load relieves
+//! completely. The first round assumes none, and usually is sufficient.
 
 use super::cone_program::{Face, Program, Six};
 use super::interior::{self, Outcome};
@@ -153,8 +155,8 @@ impl Structure {
         }
     }
 
-    /// The normal force that a unit of the load adds at each joint if all joints are equally soft: the least-squares forces that balance it. Returns
-    /// zeros if no forces balance it.
+    /// The normal force that a unit of the load adds at each joint if all joints are equally soft: the least-squares forces that balance
+    /// it. Returns zeros if no forces balance it.
     fn gains(&self, live: &[[DVec3; 2]], program: &Program, scaled: &mut Scaled) -> Vec<f64> {
         let [force_unit, _] = self.units;
         let share = -force_unit / self.load_unit(live);
@@ -176,8 +178,8 @@ impl Structure {
         joint.friction * (1.0 - SLOPE) * normal_force
     }
 
-    /// Returns true if a solution also solves the next round, whose cones have the width that these normal forces give. This is so if its forces are
-    /// within those cones, and if the bound on the load that follows from its dual variables does not change.
+    /// Returns true if a solution also solves the next round, whose cones have the width that these normal forces give. This is so if its
+    /// forces are within those cones, and if the bound on the load that follows from its dual variables does not change.
     fn is_consistent(&self, found: &RoundSolution, normal_forces: &[f64]) -> bool {
         let mut more = 0.0;
         let joints = self.joints.iter().zip(normal_forces).zip(&found.joints);
@@ -220,7 +222,8 @@ impl Structure {
 
     /// Creates the program that all rounds solve, without the widths of the cones.
     ///
-    /// It is the dual of the program above. Its unknowns are the velocities of the bodies and the sliding speed of each joint (`cone_program.rs`).
+    /// It is the dual of the program above. Its unknowns are the velocities of the bodies and the sliding speed of each joint
+    /// (`cone_program.rs`).
     fn program(&self, live: &[[DVec3; 2]]) -> Program {
         let [force_unit, _] = self.units;
         let load_unit = self.load_unit(live);

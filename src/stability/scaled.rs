@@ -1,7 +1,7 @@
 //! The equations that a step of the interior-point method solves: H x = a with H = Mᵀ W⁻² M, where W is the scaling of the cones.
 //!
-//! The sliding speed of a face occurs only in the equations of that face, and is eliminated there. The remainder is a matrix of 6×6 blocks, with one
-//! row of blocks for each body. Its Cholesky factor ([`Factor`]) is computed in each step.
+//! The sliding speed of a face occurs only in the equations of that face, and is eliminated there. The remainder is a matrix of 6×6 blocks,
+//! with one row of blocks for each body. Its Cholesky factor ([`Factor`]) is computed in each step.
 
 use super::cholesky::{Block, Factor};
 use super::cone::Scaling;

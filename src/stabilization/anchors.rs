@@ -20,8 +20,8 @@ use glam::{Quat, Vec3};
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// Share of its load at rest by which the normal force of a patch may differ if it is loaded steadily. At 0.2 and more, bricks that a blow has
-/// loosened stick more often at 60 Hz than with shorter steps.
+/// Share of its load at rest by which the normal force of a patch may differ if it is loaded steadily. At 0.2 and more, bricks that a blow
+/// has loosened stick more often at 60 Hz than with shorter steps.
 const STEADY: f32 = 0.04;
 
 /// Writes the anchor of a sticking point, equation (11): the contact point in the frames of both bodies, and the data that tell later
@@ -194,11 +194,12 @@ fn hold_patches(
     }
 }
 
-/// Whether a patch under a steady load slid so slowly as the step began that it keeps its anchor, which moves only as far as the solver drags
-/// it. Only Soft Step drags anchors, and only it finds loads at rest.
+/// Whether a patch under a steady load slid so slowly as the step began that it keeps its anchor, which moves only as far as the solver
+/// drags it. Only Soft Step drags anchors, and only it finds loads at rest.
 ///
-/// An anchor that is written anew carries nothing, whatever the old one carried. The limit of friction varies a little from step to step, so a
-/// patch that is pushed with nearly that force slides in one step and sticks in the next. If it lost its anchor each time, it would creep for ever.
+/// An anchor that is written anew carries nothing, whatever the old one carried. The limit of friction varies a little from step to step,
+/// so a patch that is pushed with nearly that force slides in one step and sticks in the next. If it lost its anchor each time, it would
+/// creep for ever.
 #[cold]
 fn creeps(
     creep_speed: f32,

@@ -32,8 +32,8 @@ pub(crate) fn share<T: ?Sized>(known: &mut Arc<T>, from: &Arc<T>) {
     }
 }
 
-/// Implements `Clone` field by field. Unlike a derived one, its `clone_from` uses the memory of lists again: snapshots of large worlds are taken and
-/// restored many times a second. Fields after `shared` are `Arc`s.
+/// Implements `Clone` field by field. Unlike a derived one, its `clone_from` uses the memory of lists again: snapshots of large worlds are
+/// taken and restored many times a second. Fields after `shared` are `Arc`s.
 macro_rules! clone_fields {
     ($Type:ident { $($field:ident),+ $(,)? } $(shared { $($shared:ident),+ $(,)? })?) => {
         impl Clone for $Type {

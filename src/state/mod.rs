@@ -1,8 +1,8 @@
 //! The state of a world: the list of components and resources that determine how the simulation continues.
 //!
-//! If all of them are copied into another world, with entities mapped, the simulation there continues with bitwise equal results. The table in
-//! `docs/data-flow.md` says what each is and which stage writes it. All other data is derived from these or has no effect on the simulation:
-//! scratch memory, times, reports, and unread messages.
+//! If all of them are copied into another world, with entities mapped, the simulation there continues with bitwise equal results. The table
+//! in `docs/data-flow.md` says what each is and which stage writes it. All other data is derived from these or has no effect on the
+//! simulation: scratch memory, times, reports, and unread messages.
 //!
 //! Components and resources that refer to entities map them with [`Component::map_entities`](bevy_ecs::component::Component::map_entities).
 //!

@@ -9,8 +9,8 @@ pub enum StreamingError {
     /// The world has no resources for a step, because this plugin was not added.
     #[error("`{0}` is missing; add `DrystonePlugins` to the app")]
     MissingPlugin(&'static str),
-    /// The entity is not a body known to the simulation: it has no [`RigidBody`](crate::body::RigidBody), is disabled, quarantined or out already, or was
-    /// spawned after the last step.
+    /// The entity is not a body known to the simulation: it has no [`RigidBody`](crate::body::RigidBody), is disabled, quarantined or out
+    /// already, or was spawned after the last step.
     #[error("{}", crate::contact::NotABody(*.0))]
     NotABody(Entity),
     /// The body is awake, or moves, or came to rest in one of the last two steps.

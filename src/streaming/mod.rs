@@ -1,10 +1,11 @@
 //! Streaming: regions of a large world are taken out of the simulation and put back, standing as they stood.
 //!
-//! A region is a set of bodies at rest: sleeping, static or standing still. [`take_out`] removes them from the simulation, with their contacts, and
-//! returns a [`Region`] that holds what the simulation knew about them. [`put_back`] adds them again, in the next frame or an hour later. They
-//! sleep as they slept: same contacts, anchors, forces and loads, to the bit. Nothing is detected or solved anew, no
-//! [`ContactStarted`](crate::contact::ContactStarted) or [`ContactEnded`](crate::contact::ContactEnded) is sent, and nothing moves if the bodies are woken
-//! afterwards. Both cost as much as the region is large, whatever the size of the world: some milliseconds for a thousand bricks.
+//! A region is a set of bodies at rest: sleeping, static or standing still. [`take_out`] removes them from the simulation, with their
+//! contacts, and returns a [`Region`] that holds what the simulation knew about them. [`put_back`] adds them again, in the next frame or an
+//! hour later. They sleep as they slept: same contacts, anchors, forces and loads, to the bit. Nothing is detected or solved anew, no
+//! [`ContactStarted`](crate::contact::ContactStarted) or [`ContactEnded`](crate::contact::ContactEnded) is sent, and nothing moves if the
+//! bodies are woken afterwards. Both cost as much as the region is large, whatever the size of the world: some milliseconds for a thousand
+//! bricks.
 //!
 //! ```
 //! use bevy_app::App;
@@ -49,19 +50,20 @@
 //!   [`RigidBodyDisabled`](crate::body::RigidBodyDisabled), so that no stage and no query sees them. Hide them with
 //!   `Visibility`. The entities of their contacts are despawned, and their components are in the [`Region`].
 //! - Edits of a body that is out take effect when it is back: a brick that was moved is moved then, as if you had moved it in that frame.
-//! - Bodies that were despawned while they were out stay away, and what touched them wakes, as if you had despawned them in that frame. The same holds
-//!   for bodies that you have enabled yourself, by removing the marker: they came back awake and without their contacts.
+//! - Bodies that were despawned while they were out stay away, and what touched them wakes, as if you had despawned them in that frame. The
+//!   same holds for bodies that you have enabled yourself, by removing the marker: they came back awake and without their contacts.
 //! - A dropped [`Region`] loses the contacts. Its bodies stay disabled until you remove their markers.
 //!
 //! # Neighbours
 //!
-//! - A border may go through a wall. Neighbours that sleep stay asleep while a region is out, without it under them. When it is back, the contacts across the border
-//!   are as they were, unless the neighbour was moved, changed, woken or despawned: then the bodies of the region that touched it wake. If the
-//!   neighbour is in a region that is out too, the contact waits until that is back.
+//! - A border may go through a wall. Neighbours that sleep stay asleep while a region is out, without it under them. When it is back, the
+//!   contacts across the border are as they were, unless the neighbour was moved, changed, woken or despawned: then the bodies of the
+//!   region that touched it wake. If the neighbour is in a region that is out too, the contact waits until that is back.
 //! - An awake body must not touch the region when it is taken out, since it would fall: [`StreamingError::BesideAwake`].
 //! - Joints, bonds of mortar and hands hold their bodies in the world: [`StreamingError::Joined`], [`StreamingError::Held`].
 //! - What was put into the space of the region meanwhile is in contact with it from the next step on.
-//! - If settings such as [`Gravity`](crate::settings::Gravity) were changed while a region was out, its bodies wake when they are back, as all others did then.
+//! - If settings such as [`Gravity`](crate::settings::Gravity) were changed while a region was out, its bodies wake when they are back, as
+//!   all others did then.
 
 mod arrivals;
 mod error;

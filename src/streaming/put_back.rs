@@ -10,8 +10,8 @@ use crate::settings::ActiveSettings;
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 
-/// Puts the bodies of a region back into the simulation, as they were when they were [taken out](super::take_out()). See the [module](super) for what
-/// may have changed meanwhile. The world must be that from which they were taken.
+/// Puts the bodies of a region back into the simulation, as they were when they were [taken out](super::take_out()). See the
+/// [module](super) for what may have changed meanwhile. The world must be that from which they were taken.
 ///
 /// Returns the bodies that were left out, because they were despawned, disabled by Bevy's `Disabled`, or enabled by you since.
 pub fn put_back(world: &mut World, region: Region) -> Vec<Entity> {

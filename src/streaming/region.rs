@@ -8,7 +8,8 @@ use crate::graph::Wrench;
 use bevy_ecs::entity::Entity;
 use parry3d::bounding_volume::Aabb;
 
-/// Bodies that were [taken out](super::take_out) of the simulation, with their contacts. It belongs to the world that they were taken out of.
+/// Bodies that were [taken out](super::take_out) of the simulation, with their contacts. It belongs to the world that they were taken out
+/// of.
 #[derive(Debug, Default)]
 #[must_use = "without it the bodies cannot be put back as they stood"]
 pub struct Region {

@@ -1,12 +1,12 @@
 //! Backing: where static bodies keep a body from giving way to one that [dominates](crate::body::Dominance) it.
 //!
-//! Static and kinematic bodies dominate all, so nothing can be pressed through them. A push on a body is *backed* if the contacts behind the
-//! body must bear it:
+//! Static and kinematic bodies dominate all, so nothing can be pressed through them. A push on a body is *backed* if the contacts behind
+//! the body must bear it:
 //! - A push on a static or kinematic body is backed, and so is one on a sleeping body, which is solved as a static one.
 //! - A push on another body is backed if the normals of contacts, through which pushes are backed in turn, add up to one against it.
 //!
-//! Coefficients of friction do not matter: a push counts as backed up to an angle of [45°](PAST) with the normals, where half of it is against the
-//! contacts and half past them. So the floor backs a push from above, but not one along the floor.
+//! Coefficients of friction do not matter: a push counts as backed up to an angle of [45°](PAST) with the normals, where half of it is
+//! against the contacts and half past them. So the floor backs a push from above, but not one along the floor.
 //!
 //! The search starts at contacts with static bodies and goes from body to body, so it passes each contact once in each direction.
 
@@ -18,8 +18,8 @@ use std::collections::VecDeque;
 /// The square of the part of a push that may be left when contacts have borne what they can: half, at 45°.
 const PAST: f32 = 0.5;
 
-/// Number of times that the contacts of a body take their parts of a push. The walls of a wedge, which is backed by both, take it up slowly: a
-/// taper of 6° takes 30 rounds.
+/// Number of times that the contacts of a body take their parts of a push. The walls of a wedge, which is backed by both, take it up
+/// slowly: a taper of 6° takes 30 rounds.
 const ROUNDS: usize = 32;
 
 /// The gap of a contact that counts as closed at rest, m.

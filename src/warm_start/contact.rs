@@ -1,4 +1,5 @@
-//! A touching pair as part of the problem of its island. The user may have changed the lengths of its lists; an entry that is missing counts as zero.
+//! A touching pair as part of the problem of its island. The user may have changed the lengths of its lists; an entry that is missing
+//! counts as zero.
 
 use crate::body::BodyTable;
 use crate::children::PatchSurface;
@@ -33,8 +34,8 @@ impl Impulse {
 }
 
 /// The impulse to start from, N·s, from the forces (N) at the end of the last step (`warm`) and at rest (`load`). The force at rest acts as
-/// long as the step. The difference between the two accelerated or stopped a body; in a step that is longer than the last it acts only as long
-/// as the last one did, or it would do so again.
+/// long as the step. The difference between the two accelerated or stopped a body; in a step that is longer than the last it acts only as
+/// long as the last one did, or it would do so again.
 #[inline]
 pub(super) fn start_impulse(warm: f32, load: f32, time: &StepTime) -> f32 {
     (load * time.dt + (warm - load) * time.carried()).max(0.0)

@@ -1,8 +1,8 @@
 //! Edits of an order: contacts that begin or end in an island are inserted and removed where sorting would put them.
 //!
 //! An island with many bodies is ordered anew only if its bodies have changed, or have another order because their level of support has
-//! changed. If only contacts have begun or ended, the bodies keep their order. The contacts of a body with the bodies below it stand together,
-//! so just those of the bodies that have changed are sorted again. The result always equals that of a rebuild.
+//! changed. If only contacts have begun or ended, the bodies keep their order. The contacts of a body with the bodies below it stand
+//! together, so just those of the bodies that have changed are sorted again. The result always equals that of a rebuild.
 
 use super::order::{IslandOrder, NOWHERE, Order, OrderSlot, Source, number_edges};
 use crate::body::BodyState;
@@ -10,7 +10,8 @@ use crate::revision::Revision;
 use crate::solver::sort;
 use smallvec::SmallVec;
 
-/// An island with more changed bodies than this is ordered anew. An edit moves the contacts after it, so many edits cost more than a rebuild.
+/// An island with more changed bodies than this is ordered anew. An edit moves the contacts after it, so many edits cost more than a
+/// rebuild.
 const MAX_CHANGED: usize = 8;
 
 /// An island with fewer bodies is ordered anew, which costs less than the list of edits.

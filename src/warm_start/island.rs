@@ -15,8 +15,8 @@ pub(crate) trait Rows: Default + Send + Sync {
     /// Number of contact points.
     fn points(&self) -> usize;
 
-    /// Takes the contacts of an island, between bodies at `ends`. Impulses are still forces, N. If the rows hold those of the last step, which
-    /// were of the same pairs between the same bodies, unchanged rows may be kept.
+    /// Takes the contacts of an island, between bodies at `ends`. Impulses are still forces, N. If the rows hold those of the last step,
+    /// which were of the same pairs between the same bodies, unchanged rows may be kept.
     fn refresh(
         &mut self,
         contacts: &[SolverContact],
@@ -70,7 +70,8 @@ pub(crate) struct Island<R> {
     has_ends: bool,
     /// Whether one of its bodies dominated another when they were found.
     has_dominance: bool,
-    /// By contact: whether one body would dominate the other, but what it pushes is [backed](super::backing). Empty if no body dominates another.
+    /// By contact: whether one body would dominate the other, but what it pushes is [backed](super::backing). Empty if no body dominates
+    /// another.
     backed: Vec<bool>,
     /// The grabs that hold some of the bodies.
     pub grabs: Vec<GrabConstraint>,
@@ -113,8 +114,8 @@ impl<R: Rows> Island<R> {
         self.rows.start_impulse(contact)
     }
 
-    /// Begins a step with the order of an island, or only those of its contacts that still exist. Data of the last step is kept if the order
-    /// is the same.
+    /// Begins a step with the order of an island, or only those of its contacts that still exist. Data of the last step is kept if the
+    /// order is the same.
     pub fn begin(&mut self, id: u32, order: &IslandOrder, complete: bool) {
         let derived_from = complete.then_some(order.revision);
         if !complete || self.derived_from != derived_from {

@@ -1,7 +1,7 @@
 //! The joints of awake islands, as part of their problems.
 //!
-//! Joints are the links of their kind in the constraint graph between bodies that are solved. Each is identified by its entity and the number
-//! of its edge. They are solved in the order of their bodies, those between the same bodies in spawn order.
+//! Joints are the links of their kind in the constraint graph between bodies that are solved. Each is identified by its entity and the
+//! number of its edge. They are solved in the order of their bodies, those between the same bodies in spawn order.
 
 use super::{Order, ProblemSet, Rows};
 use crate::body::BodyTable;

@@ -1,16 +1,16 @@
 //! The stage **warm start**: updates the problem of every awake island and sets the impulses that its contacts start from.
 //!
-//! The problem of an island consists of its bodies, its contacts, its joints and the grabs on its bodies. It is kept from step to step: while no contact
-//! begins or ends, only bodies that moved and contacts that were detected anew are updated. In a large island, contacts that begin or end are
-//! inserted and removed. Then each contact gets the impulse that it starts from. It follows from the forces at the end of the last step, whatever the length of that step was. The stage [solve](crate::solve)
-//! computes the impulses and stores them.
+//! The problem of an island consists of its bodies, its contacts, its joints and the grabs on its bodies. It is kept from step to step:
+//! while no contact begins or ends, only bodies that moved and contacts that were detected anew are updated. In a large island, contacts
+//! that begin or end are inserted and removed. Then each contact gets the impulse that it starts from. It follows from the forces at the
+//! end of the last step, whatever the length of that step was. The stage [solve](crate::solve) computes the impulses and stores them.
 //!
 //! Between the two stages the problems are the resource [`IslandProblems`]. Systems of your own may run there:
 //!
 //! - A written [`Velocity`](crate::body::Velocity) takes effect in this step: *solve* reads velocities when it begins.
-//! - Changes of a pair take effect in the next step, except those of `ContactImpulses`, which *solve* overwrites, because the problem has its
-//!   own copy. If the number of patches or points of a pair is changed, the computed impulses do not fit any more. The pair then has none, and
-//!   starts from zero in the next step.
+//! - Changes of a pair take effect in the next step, except those of `ContactImpulses`, which *solve* overwrites, because the problem has
+//!   its own copy. If the number of patches or points of a pair is changed, the computed impulses do not fit any more. The pair then has
+//!   none, and starts from zero in the next step.
 //! - A [`Grab`] or a [joint](crate::joint) that is inserted, changed or removed takes effect in the next step.
 //! - Bodies and pairs that are despawned are still part of the solve, but nothing is stored for them.
 

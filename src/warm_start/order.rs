@@ -1,6 +1,6 @@
 //! The order in which bodies and contacts are solved. Each island has an order of its own, which is computed when the island changes and
-//! kept otherwise: a contact that begins costs other islands nothing. In a large island it is inserted into the order ([`edits`](super::edits)).
-//! The islands follow each other by their numbers.
+//! kept otherwise: a contact that begins costs other islands nothing. In a large island it is inserted into the order
+//! ([`edits`](super::edits)). The islands follow each other by their numbers.
 //!
 //! The contacts are the links of the constraint graph between bodies that are solved. A pair is identified by the number of its edge and by
 //! its entity, not by its position in a query: a system between two stages may move pairs into other tables, for example by inserting a
@@ -175,8 +175,8 @@ impl Order {
         self.derived_from = None;
     }
 
-    /// Edits islands of which only contacts have changed. Takes the bodies and contacts of other islands that have changed, or are gone, out
-    /// of the order.
+    /// Edits islands of which only contacts have changed. Takes the bodies and contacts of other islands that have changed, or are gone,
+    /// out of the order.
     fn take_out_changed(&mut self, from: &Source, is_solved: &impl Fn(usize, &BodyState) -> bool) {
         let islands = from.islands;
         let count = islands.ids().max(self.islands.len());

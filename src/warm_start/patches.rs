@@ -130,8 +130,8 @@ impl PatchRows {
         }
     }
 
-    /// Updates the rows of the last step: distances and slips, and everything that was detected anew. Returns false if there are no rows, or
-    /// if the patches are not the same as before.
+    /// Updates the rows of the last step: distances and slips, and everything that was detected anew. Returns false if there are no rows,
+    /// or if the patches are not the same as before.
     fn refresh_kept(&mut self, contacts: &[SolverContact], ideal: f32) -> bool {
         let rate = 1.0 / self.dt;
         let mut at = 0;

@@ -67,7 +67,8 @@ impl IslandProblems {
 }
 
 impl<R: Rows> ProblemSet<R> {
-    /// Moves the problem of each island to the island's number. Numbers without a problem get an empty one, or one of an island that is gone.
+    /// Moves the problem of each island to the island's number. Numbers without a problem get an empty one, or one of an island that is
+    /// gone.
     pub fn arrange(&mut self) {
         let Self { order, islands, .. } = self;
         let numbered = order.numbered();
@@ -130,8 +131,8 @@ impl IslandProblem<'_> {
         self.bodies.iter().map(|member| member.entity)
     }
 
-    /// The touching pairs in the order in which they are solved, each with the sum of the normal impulses that it starts from, N·s. A solver
-    /// applies the share of it that its [warm start](crate::solver::PointSolver::warm_start) says.
+    /// The touching pairs in the order in which they are solved, each with the sum of the normal impulses that it starts from, N·s. A
+    /// solver applies the share of it that its [warm start](crate::solver::PointSolver::warm_start) says.
     pub fn contacts(&self) -> impl Iterator<Item = (Entity, f32)> {
         self.contacts.iter().copied()
     }

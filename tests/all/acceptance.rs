@@ -252,8 +252,9 @@ impl PointSolver for PlainPgs {
     }
 }
 
-/// A solver creeps without friction stabilization if it bounds the friction of a point by a load that it has yet to pass on. This one relaxes the normals
-/// of a manifold first: it slips 8 mm while the slab settles, and then holds (`docs/findings.md`). With anchors the slip is half of that.
+/// A solver creeps without friction stabilization if it bounds the friction of a point by a load that it has yet to pass on. This one
+/// relaxes the normals of a manifold first: it slips 8 mm while the slab settles, and then holds (`docs/findings.md`). With anchors the
+/// slip is half of that.
 #[test]
 fn row_11_slab_just_below_the_critical_slope() {
     let ours = pgs_12(Scene::Incline(26.4));

@@ -61,8 +61,8 @@ struct Dice(fastrand::Rng);
 
 type BodyOrPair = Or<(With<ContactPair>, With<RigidBody>)>;
 
-/// Sometimes adds a marker to some pairs and bodies and removes it from others, which moves them to other tables, and spawns and despawns entities that
-/// are not bodies. (In the steps between, all state is kept.)
+/// Sometimes adds a marker to some pairs and bodies and removes it from others, which moves them to other tables, and spawns and despawns
+/// entities that are not bodies. (In the steps between, all state is kept.)
 fn mark(
     mut commands: Commands,
     mut dice: ResMut<Dice>,

@@ -1,4 +1,5 @@
-//! Blows: a body that falls on a stack does not make it hop, and a shot knocks the same number of bricks out of a wall for any length of the step.
+//! Blows: a body that falls on a stack does not make it hop, and a shot knocks the same number of bricks out of a wall for any length of
+//! the step.
 //!
 //! `cargo run --release --example blows` prints the whole table.
 
@@ -92,8 +93,8 @@ fn a_ball_takes_as_many_bricks_out_of_a_wall_at_any_step() {
     assert!(lost.iter().all(|lost| (4..=8).contains(lost)), "{lost:?}");
 }
 
-/// How many bricks fall depends on whether those above the hole hold each other, which rounding decides. How much speed the ball loses does not:
-/// with steps down to 1/3840 s it goes on at 9.4 m/s, at single places from 9.1 to 9.75.
+/// How many bricks fall depends on whether those above the hole hold each other, which rounding decides. How much speed the ball loses does
+/// not: with steps down to 1/3840 s it goes on at 9.4 m/s, at single places from 9.1 to 9.75.
 #[test]
 fn a_ball_goes_on_beyond_a_wall_at_the_same_speed_at_any_step() {
     for hz in [60.0f32, 120.0, 240.0] {

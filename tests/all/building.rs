@@ -614,8 +614,8 @@ fn a_body_that_was_taken_twice_is_away_until_both_are_undone() {
     assert!(disabled(&lab, body));
 }
 
-/// The lowest course is taken, what stood on it falls for two seconds, and all of that is undone and put back. Returns how far the bricks that
-/// were put back stand from where they stood, m.
+/// The lowest course is taken, what stood on it falls for two seconds, and all of that is undone and put back. Returns how far the bricks
+/// that were put back stand from where they stood, m.
 fn undone_after_things_have_fallen() -> f32 {
     let (mut lab, bricks) = wall();
     let far = lab.cube(Vec3::new(0.0, 0.5, 9.0));

@@ -199,8 +199,8 @@ fn invalid_questions_have_answers_that_say_why() {
     assert!(walker.ask(Vec3::X).unwrap_err().to_string().contains("-1"));
 }
 
-/// Loose columns of eight bricks side by side, and a crate on them that is pushed along by `push` N. Returns how far a brick moves, and how far from
-/// its place it is when the crate has come to rest, m.
+/// Loose columns of eight bricks side by side, and a crate on them that is pushed along by `push` N. Returns how far a brick moves, and how
+/// far from its place it is when the crate has come to rest, m.
 fn columns_under_a_crate(push: f32) -> [f32; 2] {
     let mut lab = Lab::new();
     lab.ground();
@@ -233,8 +233,8 @@ fn columns_under_a_crate(push: f32) -> [f32; 2] {
     [most, now]
 }
 
-/// The friction of a crate of 50 kg is 245 N on top of columns of 1.6 m, which lean on the springs of their contacts. The last one, which leans on no
-/// other, moves by 4.0 mm, and comes back when the crate is gone.
+/// The friction of a crate of 50 kg is 245 N on top of columns of 1.6 m, which lean on the springs of their contacts. The last one, which
+/// leans on no other, moves by 4.0 mm, and comes back when the crate is gone.
 #[test]
 fn columns_lean_under_a_crate_that_slides_and_come_back() {
     let [still, _] = columns_under_a_crate(0.0);

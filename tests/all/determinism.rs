@@ -192,7 +192,8 @@ fn a_users_own_components_change_nothing() {
     assert_eq!(plain, painted);
 }
 
-/// The state that a solve keeps from the last step is dropped when a body is spawned or despawned anywhere, and partly when the user writes a component.
+/// The state that a solve keeps from the last step is dropped when a body is spawned or despawned anywhere, and partly when the user writes
+/// a component.
 #[test]
 fn what_is_kept_gives_the_bits_of_what_is_made_anew() {
     let run = |disturb: &dyn Fn(&mut Lab)| {

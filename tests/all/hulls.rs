@@ -310,8 +310,8 @@ fn fine_faces_bear_contact_by_parry() {
     }
 }
 
-/// Of two vertices close to each other, one lies a little beside an edge. The outline of a face then bends inwards at the other, which is a corner far
-/// outside the hull of the rest.
+/// Of two vertices close to each other, one lies a little beside an edge. The outline of a face then bends inwards at the other, which is a
+/// corner far outside the hull of the rest.
 #[test]
 fn a_corner_beside_a_vertex_on_an_edge_stays() {
     let points: [[f32; 3]; 32] = [

@@ -15,7 +15,8 @@ enum By {
     Transform,
 }
 
-/// Moves a kinematic platform, whose top is at y = 0, along `way`, with the bodies on it. Returns the largest slip of a body on the platform at the end, m.
+/// Moves a kinematic platform, whose top is at y = 0, along `way`, with the bodies on it. Returns the largest slip of a body on the
+/// platform at the end, m.
 fn carry(
     by: By,
     substeps: usize,

@@ -215,7 +215,8 @@ fn a_pile_of_all_sleeps() {
     });
 }
 
-/// In most piles. In others a hull creeps faster and faster, until it has found a place: of eight piles seven sleep after 6 to 13 s, one after 17.
+/// In most piles. In others a hull creeps faster and faster, until it has found a place: of eight piles seven sleep after 6 to 13 s, one
+/// after 17.
 #[test]
 fn most_piles_of_hulls_sleep() {
     let hull = |_: usize, rng: &mut fastrand::Rng| {

@@ -7,7 +7,8 @@ use drystone_lab::play::{Play, Played};
 /// How far a wall may move as a whole, m.
 const MOVED: f32 = 1e-3;
 
-/// Angular momentum of a wall beyond that which came in, as a share of a ball's that hits its top. Of 200 plays 199 have 0.08 at most, and one 0.12.
+/// Angular momentum of a wall beyond that which came in, as a share of a ball's that hits its top. Of 200 plays 199 have 0.08 at most, and
+/// one 0.12.
 const SWING: f32 = 0.13;
 
 fn check(play: Play) -> Played {

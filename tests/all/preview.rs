@@ -46,8 +46,8 @@ fn radius(world: &World, body: Entity) -> f32 {
     collider.shape().compute_local_bounding_sphere().radius
 }
 
-/// The bodies that move within ten seconds at 60 Hz when one is removed, by their indices in the list, with their final positions, and those that move by
-/// nearly as much as counts as motion, or little more.
+/// The bodies that move within ten seconds at 60 Hz when one is removed, by their indices in the list, with their final positions, and
+/// those that move by nearly as much as counts as motion, or little more.
 fn truth(scene: &str, taken: usize, waking: Waking) -> (Vec<(usize, Vec3)>, Vec<usize>) {
     let mut run = settled_with(scene, waking);
     let before: Vec<Pose> = run
@@ -73,8 +73,8 @@ fn truth(scene: &str, taken: usize, waking: Waking) -> (Vec<(usize, Vec3)>, Vec<
     (moved.into_iter().map(|(_, of)| of).collect(), doubtful)
 }
 
-/// Bricks of a pyramid of 8 that may not be taken where bodies wake by need. Both carry the topmost brick, which is balanced on the edge of the other
-/// one then: rounding decides whether it falls.
+/// Bricks of a pyramid of 8 that may not be taken where bodies wake by need. Both carry the topmost brick, which is balanced on the edge of
+/// the other one then: rounding decides whether it falls.
 const CARRY_THE_TOP: [usize; 2] = [33, 34];
 
 /// Every body of a scene is taken once, by both kinds of waking.
@@ -152,8 +152,9 @@ fn what_falls_is_what_falls_at_60_hz() {
     }
 }
 
-/// Bricks of a wall of which a preview with steps of 0.1 s tells something else than 60 Hz when they are taken. (Wanted: none. Where one is taken, the
-/// brick beside the one that falls into the gap is pushed aside by 18 mm; where the other is, one of two bricks that fall stays.)
+/// Bricks of a wall of which a preview with steps of 0.1 s tells something else than 60 Hz when they are taken. (Wanted: none. Where one is
+/// taken, the brick beside the one that falls into the gap is pushed aside by 18 mm; where the other is, one of two bricks that fall
+/// stays.)
 const WRONG_IN_A_WALL: usize = 2;
 
 #[test]
@@ -181,7 +182,8 @@ fn with_long_steps_as_much_begins_to_fall() {
     }
 }
 
-/// A body at rest gets fewer sweeps where nothing ever sleeps. In a shadow it got all of them, so more than half of these shadows had other velocities.
+/// A body at rest gets fewer sweeps where nothing ever sleeps. In a shadow it got all of them, so more than half of these shadows had other
+/// velocities.
 #[test]
 fn a_shadow_of_what_rests_awake_goes_where_its_world_goes() {
     let mut run = settled("heap:100");

@@ -1,10 +1,10 @@
-//! Compares the simulation with closed-form solutions. Numbers in names are rows of the table of reference values. `docs/accuracy.md` has the
-//! same measurements at more steps.
+//! Compares the simulation with closed-form solutions. Numbers in names are rows of the table of reference values. `docs/accuracy.md` has
+//! the same measurements at more steps.
 //!
-//! Rows with contacts run twice: with [`Lab::exact`], whose solver converges, so that only the errors of the method and of Δt remain, and with
-//! [`Lab::shipped`], which has the default solver and its sweeps. The tolerances follow from the step and are the same for both: the error of
-//! semi-implicit Euler is the motion of one step, and a threshold can only be found as accurately as motion beyond it differs from rest in the
-//! given time.
+//! Rows with contacts run twice: with [`Lab::exact`], whose solver converges, so that only the errors of the method and of Δt remain, and
+//! with [`Lab::shipped`], which has the default solver and its sweeps. The tolerances follow from the step and are the same for both: the
+//! error of semi-implicit Euler is the motion of one step, and a threshold can only be found as accurately as motion beyond it differs from
+//! rest in the given time.
 
 use glam::Vec3;
 use support::accuracy::*;

@@ -80,8 +80,8 @@ fn a_body_enters_stays_and_leaves() {
     assert_eq!(lab.world.resource::<ConstraintGraph>().edge_count(), 0);
 }
 
-/// Random zones and bodies, edited at random: after every step contents are those of an exact comparison of all with all, and the messages sum up
-/// to them.
+/// Random zones and bodies, edited at random: after every step contents are those of an exact comparison of all with all, and the messages
+/// sum up to them.
 #[test]
 fn contents_are_exact() {
     let mut rng = Rng::with_seed(7);

@@ -10,8 +10,8 @@ use drystone_lab::experiment::{Experiment, Run};
 use glam::Vec3;
 use support::Lab;
 
-/// Lets a wall of 25 courses sway across for four seconds, from a speed that grows with the height up to 4 cm/s. Returns whether all of it sleeps
-/// then, and how far the top has moved, m.
+/// Lets a wall of 25 courses sway across for four seconds, from a speed that grows with the height up to 4 cm/s. Returns whether all of it
+/// sleeps then, and how far the top has moved, m.
 fn sway(settling: f32) -> (bool, f32) {
     let mut experiment = Experiment::new("wall:6x25".parse().expect("a scene"), Preset::Default);
     experiment.sleeping.settling = settling;

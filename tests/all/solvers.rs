@@ -1,5 +1,5 @@
-//! Conditions on every solve, on random contact graphs: impulses are inside their cones, momentum is conserved, and velocities equal the initial ones plus
-//! M⁻¹Jᵀλ.
+//! Conditions on every solve, on random contact graphs: impulses are inside their cones, momentum is conserved, and velocities equal the
+//! initial ones plus M⁻¹Jᵀλ.
 
 use drystone::solver::merit::free_merit;
 use drystone::solver::{

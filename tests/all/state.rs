@@ -1,5 +1,5 @@
-//! The state of a world is the list of [`drystone::state`]: a world into which exactly these components and resources were copied in the middle of a
-//! simulation continues to the same bits, and sends the same messages.
+//! The state of a world is the list of [`drystone::state`]: a world into which exactly these components and resources were copied in the
+//! middle of a simulation continues to the same bits, and sends the same messages.
 
 use bevy_app::App;
 use bevy_ecs::entity::EntityHashMap;
@@ -30,7 +30,8 @@ struct Run {
     bodies: Vec<Entity>,
 }
 
-/// An edit of a world before a step, applied to the original and to the copy. The function maps an entity of the original to that of the world.
+/// An edit of a world before a step, applied to the original and to the copy. The function maps an entity of the original to that of the
+/// world.
 type Act<'a> = &'a dyn Fn(&mut World, &dyn Fn(Entity) -> Entity, usize);
 
 const NOTHING: Act = &|_, _, _| {};

@@ -1,7 +1,8 @@
 //! With the default settings, structures stay in place, at 60 Hz and at steps of 0.1 s.
 //!
-//! Sleeping is off, because it would hold any structure after half a second. Each test has one thread, because tests run in parallel. Long tests are
-//! ignored, and so are those whose limit is missed, with the measured value: `cargo test --test all steadiness:: -- --ignored --nocapture` prints them.
+//! Sleeping is off, because it would hold any structure after half a second. Each test has one thread, because tests run in parallel. Long
+//! tests are ignored, and so are those whose limit is missed, with the measured value: `cargo test --test all steadiness:: -- --ignored
+//! --nocapture` prints them.
 
 use drystone::contact::{ContactImpulses, ContactPair};
 use drystone::settings::{PhysicsThreads, Preset};

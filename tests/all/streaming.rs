@@ -66,7 +66,8 @@ fn bears(lab: &mut Lab, body: Entity) -> String {
     format!("{faces:?} {bearings:?} {pairs:?} {load:?}")
 }
 
-/// Asserts that two worlds are the same to the bit, now and for two seconds after all of their bodies are woken, and that nothing moves then.
+/// Asserts that two worlds are the same to the bit, now and for two seconds after all of their bodies are woken, and that nothing moves
+/// then.
 #[track_caller]
 fn are_twins(lab: &mut Lab, twin: &mut Lab, bodies: &[Entity]) {
     let stood: Vec<Pose> = bodies.iter().map(|&body| lab.pose(body)).collect();

@@ -138,7 +138,8 @@ fn a_pyramid_divides_what_it_bears() {
     });
 }
 
-/// In any heap, three ways of asking give the same answer, and the bodies supported only by one body are those without another way to the ground.
+/// In any heap, three ways of asking give the same answer, and the bodies supported only by one body are those without another way to the
+/// ground.
 #[test]
 fn in_a_heap_all_answers_agree() {
     let mut rng = fastrand::Rng::with_seed(4);

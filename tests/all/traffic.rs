@@ -1,4 +1,5 @@
-//! Heavy traffic on arches: a sled is drawn over the crown. What limit analysis lets stand stands, and what it does not falls (`docs/arches.md`).
+//! Heavy traffic on arches: a sled is drawn over the crown. What limit analysis lets stand stands, and what it does not falls
+//! (`docs/arches.md`).
 
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -44,8 +45,8 @@ fn corners(outer: f32) -> Vec<Vec2> {
         .collect()
 }
 
-/// The places at which the sled may press: its centre, the voussoir, the point and the normal. Nothing holds it upright and it has no friction, so its
-/// force goes through its centre. It lies flat on a face, or over a ridge at any angle between the two faces.
+/// The places at which the sled may press: its centre, the voussoir, the point and the normal. Nothing holds it upright and it has no
+/// friction, so its force goes through its centre. It lies flat on a face, or over a ridge at any angle between the two faces.
 fn rests(outer: f32) -> Vec<(Vec2, usize, Vec2, Vec2)> {
     let corners = corners(outer);
     let normal = |i: usize| (corners[i] - corners[i + 1]).perp().normalize();
@@ -73,8 +74,8 @@ fn rests(outer: f32) -> Vec<(Vec2, usize, Vec2, Vec2)> {
     rests
 }
 
-/// The heaviest sled that the arch bears at every place, kg, and its centre at the worst place. The pulling force balances the horizontal component, so the
-/// sled presses with m g / cos θ along the normal.
+/// The heaviest sled that the arch bears at every place, kg, and its centre at the worst place. The pulling force balances the horizontal
+/// component, so the sled presses with m g / cos θ along the normal.
 fn bears(radii: [f32; 2], along: impl Fn(Vec2) -> Vec2) -> (f32, f32) {
     let (mut lab, bodies) = arch(radii, 1.0 / 60.0);
     lab.step();

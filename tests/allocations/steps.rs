@@ -1,5 +1,5 @@
-//! A steady step allocates nothing, with the default solver on one thread, whatever the number of islands. (Solvers of points make their blocks anew in
-//! every step, and so do islands of three contacts and fewer, which are solved together.)
+//! A steady step allocates nothing, with the default solver on one thread, whatever the number of islands. (Solvers of points make their
+//! blocks anew in every step, and so do islands of three contacts and fewer, which are solved together.)
 
 use crate::MEMORY;
 use bevy_ecs::prelude::*;

@@ -426,8 +426,8 @@ fn limits_about_several_axes_hold_beyond_a_half_turn() {
     }
 }
 
-/// A drawbridge that is spawned where it lies over begins within its range, and one that is spawned a little beyond its limit does not begin a turn
-/// further on.
+/// A drawbridge that is spawned where it lies over begins within its range, and one that is spawned a little beyond its limit does not
+/// begin a turn further on.
 #[test]
 fn the_first_angle_is_one_in_the_limits() {
     for variant in variants() {

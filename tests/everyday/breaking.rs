@@ -14,7 +14,8 @@ fn broken(world: &mut World, dt: f32) -> Vec<Entity> {
     found
 }
 
-/// A chain of ten links that hangs from the world, with 100 kg at its end. Its joints break at 3 kN. Returns the joints from above, and the load.
+/// A chain of ten links that hangs from the world, with 100 kg at its end. Its joints break at 3 kN. Returns the joints from above, and the
+/// load.
 fn chain(world: &mut World, links: usize) -> (Vec<Entity>, Entity) {
     let mut above: Option<Entity> = None;
     let mut joints = Vec::new();
@@ -75,7 +76,8 @@ fn a_chain_tears_at_its_weakest_link() {
     }
 }
 
-/// A bridge of planks between two walls is pulled down in its middle. Nearly flat it is overloaded; its halves bear the load once it has torn.
+/// A bridge of planks between two walls is pulled down in its middle. Nearly flat it is overloaded; its halves bear the load once it has
+/// torn.
 #[test]
 fn an_overloaded_bridge_tears_once() {
     let mut app = app();

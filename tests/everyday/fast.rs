@@ -170,7 +170,8 @@ fn turning_gates_and_ships_strike_bodies_in_their_way() {
         Collider::cylinder(0.1, 0.2),
     ];
     let (mut passed, mut count) = (Vec::new(), 0);
-    // Bars that turn about their middle may turn by 0.67 rad in a step, those that turn about their end by half of that: their middle moves along the chord.
+    // Bars that turn about their middle may turn by 0.67 rad in a step, those that turn about their end by half of that: their middle moves
+    // along the chord.
     let rates = [
         (2.0, DT),
         (10.0, DT),

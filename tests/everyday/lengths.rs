@@ -172,8 +172,8 @@ fn rests(what: &str, settling: usize, place: Vec3, lengths: impl Iterator<Item =
     }
 }
 
-/// A stack of twelve reached 15 m/s: in a tiny step, loads at rest followed the forces by as much as in a usual one, and these forces were the smallest
-/// velocities over a millionth of a second. An arch reached 9 mm/s, as its friction began anew after each tiny step.
+/// A stack of twelve reached 15 m/s: in a tiny step, loads at rest followed the forces by as much as in a usual one, and these forces were
+/// the smallest velocities over a millionth of a second. An arch reached 9 mm/s, as its friction began anew after each tiny step.
 #[test]
 fn structures_stay_at_rest_when_some_steps_are_short_or_long() {
     for dt in [1e-7, 1e-6, 3e-6, 1e-5, 1e-4, 1e-3, 1.0 / 240.0, 0.1] {

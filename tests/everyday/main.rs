@@ -1,4 +1,5 @@
-//! Everyday faults: each test is something that a user found, and stands for its kind. `cargo test --test everyday seams::` runs one module.
+//! Everyday faults: each test is something that a user found, and stands for its kind. `cargo test --test everyday seams::` runs one
+//! module.
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;

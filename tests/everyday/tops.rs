@@ -3,7 +3,8 @@
 use super::*;
 use std::f32::consts::TAU;
 
-/// A cone of radius 0.4 m and height 0.2 m that stands on its tip, as a hull with so many sides. Its centre of mass is 0.15 m above the tip.
+/// A cone of radius 0.4 m and height 0.2 m that stands on its tip, as a hull with so many sides. Its centre of mass is 0.15 m above the
+/// tip.
 fn cone(sides: usize) -> Collider {
     let ring = (0..sides)
         .map(|k| Quat::from_rotation_y(k as f32 / sides as f32 * TAU) * Vec3::new(0.4, 0.2, 0.0));
@@ -11,8 +12,8 @@ fn cone(sides: usize) -> Collider {
     Collider::convex_hull(&points).unwrap()
 }
 
-/// Spins a top, whose axis leans by `lean` rad, for `seconds`. Returns its spin about its axis, rad/s, and its mean precession about the vertical over
-/// that time, rad/s.
+/// Spins a top, whose axis leans by `lean` rad, for `seconds`. Returns its spin about its axis, rad/s, and its mean precession about the
+/// vertical over that time, rad/s.
 fn spin(
     top: impl Bundle,
     lean: f32,
@@ -56,8 +57,9 @@ fn velocity_about(world: &World, body: Entity, axis: Vec3) -> f32 {
     velocity(world, body).angular.dot(axis)
 }
 
-/// The mean precession of a heavy symmetric top on its tip, rad/s, that starts with spin about its axis only. Lagrange's equations in double precision,
-/// by the midpoint rule, with moments of inertia of the hull about its axis and about a line through the tip across it, per mass.
+/// The mean precession of a heavy symmetric top on its tip, rad/s, that starts with spin about its axis only. Lagrange's equations in
+/// double precision, by the midpoint rule, with moments of inertia of the hull about its axis and about a line through the tip across it,
+/// per mass.
 fn precession(sides: usize, lean: f64, spin: f64, seconds: f64) -> f64 {
     let mut app = app();
     let top = app
@@ -122,7 +124,8 @@ fn an_upright_top_keeps_its_spin() {
     }
 }
 
-/// A wheel that rolls upright keeps its speed and its way. A disk that spins on its edge like a coin is slowed by friction across its width only.
+/// A wheel that rolls upright keeps its speed and its way. A disk that spins on its edge like a coin is slowed by friction across its width
+/// only.
 #[test]
 fn wheels_and_coins_keep_their_spin() {
     let surface = (Friction::new(0.8), RollingFriction::new(0.0));

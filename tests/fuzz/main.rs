@@ -1,7 +1,7 @@
 //! Everything that a game may do to a world, at random, in worlds of all shapes; and after every step what must hold whatever was done.
 //!
-//! An episode is a world of its own and some hundred operations, both from one seed. Half of the episodes use sensible numbers, and then no body may be
-//! lost. The others use any numbers. An episode that fails is reduced to few operations and printed with its seed.
+//! An episode is a world of its own and some hundred operations, both from one seed. Half of the episodes use sensible numbers, and then no
+//! body may be lost. The others use any numbers. An episode that fails is reduced to few operations and printed with its seed.
 //! `FUZZ_SEED=17 cargo test --test fuzz -- --ignored replay --nocapture` runs one episode.
 
 mod check;

@@ -118,8 +118,8 @@ fn fails(seed: u64, acts: &[Act]) -> Option<(usize, Fault)> {
     None
 }
 
-/// Episodes in which observers do anything to guests while the world takes a step. What holds for guests otherwise need not hold then; but nothing
-/// panics, and the innocent are not affected.
+/// Episodes in which observers do anything to guests while the world takes a step. What holds for guests otherwise need not hold then; but
+/// nothing panics, and the innocent are not affected.
 ///
 /// # Panics
 /// If that is not so, with everything that is known of it.

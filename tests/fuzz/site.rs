@@ -1,5 +1,5 @@
-//! The world under test: guests, which the operations change, on a ground that no operation changes; and far away the innocent, a small stack. The innocent
-//! also stand in a second world without guests.
+//! The world under test: guests, which the operations change, on a ground that no operation changes; and far away the innocent, a small
+//! stack. The innocent also stand in a second world without guests.
 
 use crate::operation::{Act, Operation, Spawn};
 use crate::part::{INNOCENT, Part};
@@ -48,7 +48,8 @@ pub struct Site {
     pub tainted: HashSet<Entity>,
     /// Guests that the ground did not always hold.
     pub free: HashSet<Entity>,
-    /// Returns true if the settings of solver and stabilization have always been the defaults, and no half-space presses on bodies on the ground.
+    /// Returns true if the settings of solver and stabilization have always been the defaults, and no half-space presses on bodies on the
+    /// ground.
     pub plain: bool,
     /// Whether observers act while the noisy world takes a step.
     misbehaves: bool,

@@ -710,7 +710,8 @@ fn saving_changes_nothing() {
     assert!(lab.world.resource::<BodyTable>().count() > 20);
 }
 
-/// Lays weights on a sleeping cube of a ton, each of a quarter of what wakes it, with the numbers from `from` on. Returns the number of the one that wakes it.
+/// Lays weights on a sleeping cube of a ton, each of a quarter of what wakes it, with the numbers from `from` on. Returns the number of the
+/// one that wakes it.
 fn lay_until_woken(lab: &mut Lab, cube: Entity, from: usize, pause: f32) -> usize {
     for i in from..20 {
         lay_weight(lab, i);

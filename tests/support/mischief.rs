@@ -40,7 +40,8 @@ macro_rules! listen_to {
         $world.add_observer(|on: On<Remove<$Component>>, commands: Commands| later(on.entity, commands));
     )+};
 }
-/// Adds the observers. None listens to `ChildOf`: Bevy's own hook fails if the parent is despawned then. They do what the kind says, or anything if there is no such kind, and spare some bodies.
+/// Adds the observers. None listens to `ChildOf`: Bevy's own hook fails if the parent is despawned then. They do what the kind says, or
+/// anything if there is no such kind, and spare some bodies.
 pub fn listen(world: &mut World, seed: u64, kind: usize, spared: Vec<Entity>) {
     world.insert_resource(Mischief {
         state: seed,

@@ -1,5 +1,5 @@
-//! A grab holds a body with limited force and is solved with its contacts. It consists of two constraints to the world, on the velocity of a
-//! held point and on the spin, with limited impulses.
+//! A grab holds a body with limited force and is solved with its contacts. It consists of two constraints to the world, on the velocity of
+//! a held point and on the spin, with limited impulses.
 //!
 //! A grab pulls its point towards a target. It asks for the speed with which the point gets there in time, by a law of first order, but no
 //! faster than it could still brake. It holds that speed with any force up to its own limit, so a load does not make it sag at any step

@@ -1,11 +1,11 @@
 //! Revisions: the one way to say that something has changed.
 //!
 //! - A *source* has a [`Revision`]: a number that it shares with no other state. Whoever changes the source gives it a new one.
-//! - Data that is *derived* from a source keeps the revision that it was derived from, as an `Option<Revision>`; `None` means that it must be
-//!   derived anew in any case. It is valid while that revision equals the revision of its source.
+//! - Data that is *derived* from a source keeps the revision that it was derived from, as an `Option<Revision>`; `None` means that it must
+//!   be derived anew in any case. It is valid while that revision equals the revision of its source.
 //!
-//! A revision says only *whether* a source is the same as before. Revisions have no order, and no result depends on their values. Every number
-//! is used once in a process.
+//! A revision says only *whether* a source is the same as before. Revisions have no order, and no result depends on their values. Every
+//! number is used once in a process.
 //!
 //! Solvers find by revisions which patches have changed since they stored their state: see [`Memory`](crate::Memory).
 

@@ -8,8 +8,8 @@ use bevy_reflect::Reflect;
 /// Number of contacts that a solver relaxes side by side: patches, or pairs of bodies with all of their points.
 ///
 /// Results differ by rounding: eight lanes use fused multiply-add, four lanes do not; nor does the direct solve of joints with
-/// [`Four`](Lanes::Four). With the feature `enhanced-determinism` every setting takes four lanes, and the same scene gives the same bits on all
-/// machines.
+/// [`Four`](Lanes::Four). With the feature `enhanced-determinism` every setting takes four lanes, and the same scene gives the same bits on
+/// all machines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Debug))]
 #[cfg_attr(

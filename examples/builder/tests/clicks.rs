@@ -1,8 +1,8 @@
-//! Tests with a simulated user: real clicks and keys on a real window, on a virtual display. The results are read from the builder's journal; pictures
-//! of before and after are in `target/builder/`.
+//! Tests with a simulated user: real clicks and keys on a real window, on a virtual display. The results are read from the builder's
+//! journal; pictures of before and after are in `target/builder/`.
 //!
-//! `cargo test --ignore-rust-version --test clicks -- --nocapture`; it wants `Xvfb`, `xdotool` and a Vulkan driver (the README names packages), and
-//! says so where they are missing.
+//! `cargo test --ignore-rust-version --test clicks -- --nocapture`; it wants `Xvfb`, `xdotool` and a Vulkan driver (the README names
+//! packages), and says so where they are missing.
 
 use drystone_builder::journal::{Entry, Sight};
 use glam::{Quat, Vec2, Vec3};

@@ -12,8 +12,8 @@ struct Times {
 
 /// A clock that moves only when it is told to. Clones show the same time.
 ///
-/// So twenty seconds of play take as long as their computation. Some timers of `ggrs` show real time all the same: which player waits when, and rolls back how
-/// far, differs a little from run to run.
+/// So twenty seconds of play take as long as their computation. Some timers of `ggrs` show real time all the same: which player waits when,
+/// and rolls back how far, differs a little from run to run.
 #[derive(Clone, Debug, Default)]
 pub struct Clock(Rc<Times>);
 

@@ -1,6 +1,7 @@
 //! A player at a wall: every half second a brick is laid on it or taken off again, or a ball is thrown at it.
 //!
-//! [`Play`] measures whether the wall sways, and a [`Session`] what playing costs, in drystone or in any other engine that implements [`Game`].
+//! [`Play`] measures whether the wall sways, and a [`Session`] what playing costs, in drystone or in any other engine that implements
+//! [`Game`].
 
 mod cost;
 mod game;
@@ -41,13 +42,13 @@ pub struct Played {
     pub moved: f32,
     /// The same of its top course, m.
     pub top_moved: f32,
-    /// Its momentum, at most, N·s. A wall that is hit at its top turns about its foot, where the ground pushes it on, so that this may be up
-    /// to 1.5 times the momentum of the ball.
+    /// Its momentum, at most, N·s. A wall that is hit at its top turns about its foot, where the ground pushes it on, so that this may be
+    /// up to 1.5 times the momentum of the ball.
     pub momentum: f32,
     /// The momentum of all balls that were thrown, N·s.
     pub thrown: f32,
-    /// Maximum excess of its angular momentum about the axis of its foot over the sum of that of two consecutive balls and that which its weight adds while
-    /// it swings. Relative to the angular momentum of a ball that hits its top.
+    /// Maximum excess of its angular momentum about the axis of its foot over the sum of that of two consecutive balls and that which its
+    /// weight adds while it swings. Relative to the angular momentum of a ball that hits its top.
     pub swing: f32,
 }
 

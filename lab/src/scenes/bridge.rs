@@ -10,7 +10,8 @@ use glam::{Quat, Vec3};
 const PLANK: Vec3 = Vec3::new(0.5, 0.1, 2.0);
 const MASS: f32 = 30.0;
 
-/// The load on the middle plank, m, and its mass, kg. It is shorter than a plank, so that it stands on one alone and statics is determinate.
+/// The load on the middle plank, m, and its mass, kg. It is shorter than a plank, so that it stands on one alone and statics is
+/// determinate.
 const LOAD: Vec3 = Vec3::new(0.4, 0.5, 1.8);
 const LOAD_MASS: f32 = 10_000.0;
 

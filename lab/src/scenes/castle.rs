@@ -27,8 +27,8 @@ const WOOD: f32 = 300.0;
 /// Friction of its hinge, N·m.
 const FRICTION: f32 = 5.0;
 
-/// The parts of a castle with walls of so many courses, in the order in which they are laid. The front is in the plane z = 0, with its gate in the
-/// middle.
+/// The parts of a castle with walls of so many courses, in the order in which they are laid. The front is in the plane z = 0, with its gate
+/// in the middle.
 struct Plan {
     walls: Vec<Block>,
     keep: Vec<Block>,

@@ -19,8 +19,8 @@ const WATCH: f32 = 8.0;
 
 /// How hard it presses on the edge, in weights of a block.
 const PRESSURE: f32 = 1.0;
-/// The point at which it presses, from the middle of the top face, m. It is near the edge, but above the block below, so that a stack that holds together
-/// only leans.
+/// The point at which it presses, from the middle of the top face, m. It is near the edge, but above the block below, so that a stack that
+/// holds together only leans.
 const PRESS_AT: f32 = 0.4;
 
 /// The action of the hand.

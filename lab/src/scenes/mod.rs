@@ -64,8 +64,8 @@ pub enum Scene {
     Overlap(f32),
     /// A chain of so many links of 1 kg and 0.4 m that hangs from the world, with a ball of 100 kg at its end.
     Chain(u32),
-    /// A bridge of so many planks 0.5 × 0.1 × 2 m between two piers, each hung on its neighbours at both edges, with 10 t on the middle. It is
-    /// laid as statics says that it hangs.
+    /// A bridge of so many planks 0.5 × 0.1 × 2 m between two piers, each hung on its neighbours at both edges, with 10 t on the middle. It
+    /// is laid as statics says that it hangs.
     Bridge(u32),
     /// So many ragdolls of fifteen bodies each, dropped onto a heap of bricks.
     Ragdolls(u32),

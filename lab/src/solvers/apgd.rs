@@ -1,22 +1,22 @@
-//! Accelerated projected gradient descent (Mazhar, Heyn, Negrut, Tasora 2015, "Using Nesterov's Method to Accelerate Multibody Dynamics with
-//! Friction and Contact", ACM Transactions on Graphics 34/3).
+//! Accelerated projected gradient descent (Mazhar, Heyn, Negrut, Tasora 2015, "Using Nesterov's Method to Accelerate Multibody Dynamics
+//! with Friction and Contact", ACM Transactions on Graphics 34/3).
 //!
 //! The impulses γ of all points minimize q(γ) = ½ γᵀ N γ + γᵀ r over the product of the friction cones, where N = Dᵀ M⁻¹ D and r is the
 //! velocity of the points in free motion, less its target. This is the *cone complementarity problem*, a convex relaxation of contact with
-//! Coulomb friction (Anitescu, Tasora 2010): the velocity of a point lies in the dual cone, so a point that slips at w_t also parts at
-//! μ ‖w_t‖. Points that stick are not affected. A body that slides rises by Δt μ ‖w_t‖ in a step, until the correction of its distance brings it
-//! down again.
+//! Coulomb friction (Anitescu, Tasora 2010): the velocity of a point lies in the dual cone, so a point that slips at w_t also parts at μ
+//! ‖w_t‖. Points that stick are not affected. A body that slides rises by Δt μ ‖w_t‖ in a step, until the correction of its distance brings
+//! it down again.
 //!
-//! An iteration (the paper's Algorithm 2) is a projected gradient step from y, with a length of 1/L. L estimates the largest eigenvalue of N:
-//! it is doubled until the step decreases q as much as it must, and multiplied by 0.9 afterwards. Then Nesterov's momentum carries y on. If
-//! the step went uphill against the last one, momentum starts anew (O'Donoghue, Candès 2012). As iterations are not monotone, the one with
-//! the least residual is the result.
+//! An iteration (the paper's Algorithm 2) is a projected gradient step from y, with a length of 1/L. L estimates the largest eigenvalue of
+//! N: it is doubled until the step decreases q as much as it must, and multiplied by 0.9 afterwards. Then Nesterov's momentum carries y on.
+//! If the step went uphill against the last one, momentum starts anew (O'Donoghue, Candès 2012). As iterations are not monotone, the one
+//! with the least residual is the result.
 //!
 //! N is never computed. It is linear, so one pass over all points that scatters impulses to the bodies and one that gathers velocities are
 //! all that an iteration costs, with momentum included. Three things differ from the paper. The decrease of q is tested by Δᵀ N Δ ≤ L ‖Δ‖²,
-//! which is the same for a quadratic function and loses no digits. The residual is that of a step of 1/W for each point, W being the largest
-//! element of the diagonal of N there; it can be compared with that of a first Gauss–Seidel sweep. And L is bounded by the trace of N,
-//! which it reaches only by rounding.
+//! which is the same for a quadratic function and loses no digits. The residual is that of a step of 1/W for each point, W being the
+//! largest element of the diagonal of N there; it can be compared with that of a first Gauss–Seidel sweep. And L is bounded by the trace of
+//! N, which it reaches only by rounding.
 //!
 //! Joints and grabs are relaxed by Gauss–Seidel sweeps: [rounds](ROUND) of sweeps over them and of iterations over the contacts follow each
 //! other. Momentum begins anew in each round.

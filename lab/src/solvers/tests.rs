@@ -114,7 +114,8 @@ fn a_box_slides_where_the_tangent_of_the_slope_exceeds_the_friction() {
     }
 }
 
-/// Way of a slab down a slope of 30° in two seconds, ½ g (sin θ − μ cos θ) t². The first step accelerates it whole, so its end is half a step ahead.
+/// Way of a slab down a slope of 30° in two seconds, ½ g (sin θ − μ cos θ) t². The first step accelerates it whole, so its end is half a
+/// step ahead.
 #[test]
 fn a_slab_slides_down_with_g_sin_minus_mu_g_cos() {
     for experiment in both("incline:30") {
@@ -203,8 +204,8 @@ fn a_wall_stands() {
     }
 }
 
-/// The cone complementarity problem parts what slips, at μ times the speed of the slip: a slab that slides at v rises by at least Δt μ v. Half
-/// of it may be missing, as the slab is braked.
+/// The cone complementarity problem parts what slips, at μ times the speed of the slip: a slab that slides at v rises by at least Δt μ v.
+/// Half of it may be missing, as the slab is braked.
 #[test]
 fn a_sliding_slab_rises_under_apgd_and_not_under_avbd() {
     for experiment in both("sliding") {

@@ -162,8 +162,8 @@ impl World {
         if !sound {
             return Err("Box3D takes no joint with a number that is no good".into());
         }
-        // SAFETY: the world and its bodies live as long as `self`, indices are checked, and definitions are Box3D's own with plain and sound
-        // numbers changed. Box3D copies them.
+        // SAFETY: the world and its bodies live as long as `self`, indices are checked, and definitions are Box3D's own with plain and
+        // sound numbers changed. Box3D copies them.
         unsafe {
             let rest = *self
                 .rest

@@ -1,5 +1,5 @@
-//! What playing costs in drystone and in Rapier: every half second a brick is laid, a ball thrown, a brick laid, a brick taken. Sleeping is on,
-//! as it is by default in both.
+//! What playing costs in drystone and in Rapier: every half second a brick is laid, a ball thrown, a brick laid, a brick taken. Sleeping is
+//! on, as it is by default in both.
 
 mod plot;
 mod rows;

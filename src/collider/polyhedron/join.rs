@@ -7,15 +7,15 @@ use crate::collider::ColliderError;
 use crate::solver::sort;
 use glam::{DVec3, Vec3};
 
-/// Tolerance for a corner outside the plane of a face, as a multiple of the lattice's slack. It is larger than 1 because a plane was fitted to
-/// more vertices than the corners that are left.
+/// Tolerance for a corner outside the plane of a face, as a multiple of the lattice's slack. It is larger than 1 because a plane was fitted
+/// to more vertices than the corners that are left.
 const OFF: f64 = 2.0;
 
 /// Builds a polyhedron from the outlines of its faces.
 ///
 /// # Errors
-/// [`ColliderError::TooManyCorners`] if there are too many corners. [`ColliderError::DegenerateHull`] if the outlines are not those of a convex
-/// polyhedron, or if it is so thin that only rounding gives it a volume.
+/// [`ColliderError::TooManyCorners`] if there are too many corners. [`ColliderError::DegenerateHull`] if the outlines are not those of a
+/// convex polyhedron, or if it is so thin that only rounding gives it a volume.
 pub(super) fn join(
     points: &[Vec3],
     lattice: &Lattice,
@@ -79,8 +79,8 @@ pub(super) fn join(
     }
 }
 
-/// Returns the face with these corners. Returns `None` if they do not form a polygon, if some points are outside its plane, or if all points are
-/// almost in its plane.
+/// Returns the face with these corners. Returns `None` if they do not form a polygon, if some points are outside its plane, or if all
+/// points are almost in its plane.
 fn face(
     points: &[Vec3],
     corners: &[u16],
@@ -108,7 +108,8 @@ fn face(
     })
 }
 
-/// Returns the edges, and for each corner of a face the index of the edge to the next corner. Returns `None` if some edge does not have two faces.
+/// Returns the edges, and for each corner of a face the index of the edge to the next corner. Returns `None` if some edge does not have two
+/// faces.
 fn edges(faces: &[Face], corners: &[u16]) -> Option<(Box<[Edge]>, Box<[u16]>)> {
     let mut halves = Vec::with_capacity(corners.len());
     for (i, face) in faces.iter().enumerate() {

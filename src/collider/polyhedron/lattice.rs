@@ -3,7 +3,8 @@
 use super::{outlines, quickhull};
 use glam::{DVec3, I64Vec3, Vec3};
 
-/// Number of steps from the middle to the farthest side. With it, lengths stay below 2³⁰, areas stay below 2⁶², and volumes fit into 128 bits.
+/// Number of steps from the middle to the farthest side. With it, lengths stay below 2³⁰, areas stay below 2⁶², and volumes fit into 128
+/// bits.
 const HALF: f64 = (1 << 29) as f64;
 
 /// A point is on a plane if its distance is less than this share of the longest extent, plus …
@@ -49,10 +50,11 @@ impl Lattice {
         })
     }
 
-    /// Computes the outlines of the hull's faces, as indices of points. Every point of an outline is a corner. Returns `None` if the points enclose
-    /// no volume.
+    /// Computes the outlines of the hull's faces, as indices of points. Every point of an outline is a corner. Returns `None` if the points
+    /// enclose no volume.
     ///
-    /// Vertices that lie in a face or on an edge up to rounding are removed, and the hull is computed again, until all vertices are corners.
+    /// Vertices that lie in a face or on an edge up to rounding are removed, and the hull is computed again, until all vertices are
+    /// corners.
     pub fn faces(&self) -> Option<Vec<Vec<u32>>> {
         let mut chosen: Vec<u32> = (0..self.points.len() as u32).collect();
         for _ in 0..PASSES {

@@ -1,8 +1,8 @@
 //! Convex polyhedra: corners, edges and faces, and how they are connected.
 //!
 //! Parry's convex hull leaves coplanar triangles, merges faces up to 1.5° apart, and panics on bad input. This one uses integer coordinates
-//! ([`lattice`]), so the hull ([`quickhull`]) has no rounding errors. Faces that were flat before their corners were rounded to single precision are
-//! restored afterwards ([`outlines`]), and the result is checked ([`join`]).
+//! ([`lattice`]), so the hull ([`quickhull`]) has no rounding errors. Faces that were flat before their corners were rounded to single
+//! precision are restored afterwards ([`outlines`]), and the result is checked ([`join`]).
 
 mod join;
 mod lattice;

@@ -39,7 +39,8 @@ impl Moments {
         }
     }
 
-    /// Creates moments from the volume (m³), the centroid (m), the principal moments of inertia (m⁵) and the rotation to the principal axes.
+    /// Creates moments from the volume (m³), the centroid (m), the principal moments of inertia (m⁵) and the rotation to the principal
+    /// axes.
     pub(crate) fn new(volume: f64, centroid: DVec3, principal: DVec3, axes: DQuat) -> Self {
         let moments = Self {
             volume,

@@ -43,8 +43,8 @@ impl Plane {
 
 /// Computes the outline of each face, counterclockwise as seen from outside, with every vertex on it.
 ///
-/// A face grows from its largest facet to all neighbours whose corners are in its plane. The test uses distances instead of angles, because thin
-/// facets have arbitrary angles, and on a finely divided curved surface all angles are small.
+/// A face grows from its largest facet to all neighbours whose corners are in its plane. The test uses distances instead of angles, because
+/// thin facets have arbitrary angles, and on a finely divided curved surface all angles are small.
 pub(super) fn outlines(points: &[I64Vec3], facets: &[Facet], slack: f64) -> Vec<Vec<u32>> {
     let area = |i: &u32| facets[*i as usize].normal.as_dvec3().length_squared();
     let mut by_area: Vec<u32> = (0..facets.len() as u32).collect();
@@ -133,11 +133,12 @@ fn outline(facets: &[Facet], part: &[u32], face_of: &[u32]) -> Option<Vec<u32>> 
     (distinct.len() == length).then_some(outline)
 }
 
-/// Returns the vertices that are corners. The others lie inside a face or between two faces, or on an outline that is straight or bent inwards there.
-/// Two adjacent vertices are not removed in the same pass, because on a finely divided curve every vertex is almost straight.
+/// Returns the vertices that are corners. The others lie inside a face or between two faces, or on an outline that is straight or bent
+/// inwards there. Two adjacent vertices are not removed in the same pass, because on a finely divided curve every vertex is almost
+/// straight.
 ///
-/// Vertices with fewer than three faces go first. If one of them lies a little beside an edge, the outline bends inwards at its neighbour, which may
-/// be a corner far outside the hull of the others.
+/// Vertices with fewer than three faces go first. If one of them lies a little beside an edge, the outline bends inwards at its neighbour,
+/// which may be a corner far outside the hull of the others.
 pub(super) fn corners(
     points: &[I64Vec3],
     facets: &[Facet],

@@ -1,8 +1,8 @@
 //! Computes the convex hull of points on a lattice, as triangles (quickhull).
 //!
-//! A point outside the hull replaces all facets that are visible from it by facets between itself and their rim. Visibility is computed exactly, so
-//! the visible facets always form one patch with one rim, and the result is convex. A tolerance decides which points are added: points hardly outside
-//! the hull are left out.
+//! A point outside the hull replaces all facets that are visible from it by facets between itself and their rim. Visibility is computed
+//! exactly, so the visible facets always form one patch with one rim, and the result is convex. A tolerance decides which points are added:
+//! points hardly outside the hull are left out.
 
 use glam::{DVec3, I64Vec3};
 
@@ -53,8 +53,8 @@ impl Facet {
         part(0) + part(1) + part(2) > 0
     }
 
-    /// Returns the farthest of the points outside. If several are equally far, as on a parallel face, returns the one with the greatest distance from
-    /// a corner of the facet, because that one is a corner of the parallel face.
+    /// Returns the farthest of the points outside. If several are equally far, as on a parallel face, returns the one with the greatest
+    /// distance from a corner of the facet, because that one is a corner of the parallel face.
     fn farthest(&self, points: &[I64Vec3], slack: f64) -> Option<u32> {
         let heights = self.outside.iter().map(|&p| self.height(points, p));
         let limit = heights.fold(0.0, f64::max) - slack;
@@ -73,7 +73,8 @@ fn length_squared(v: I64Vec3) -> i64 {
     v.dot(v)
 }
 
-/// Computes the facets of the hull. Returns `None` if the points are in one plane. Points outside it by less than `slack` (steps) are left out.
+/// Computes the facets of the hull. Returns `None` if the points are in one plane. Points outside it by less than `slack` (steps) are left
+/// out.
 pub(super) fn hull(points: &[I64Vec3], slack: f64) -> Option<Vec<Facet>> {
     let mut facets = simplex(points, slack)?;
     let all = (0..points.len() as u32).collect();
@@ -126,8 +127,8 @@ fn simplex(points: &[I64Vec3], slack: f64) -> Option<Vec<Facet>> {
     Some(facets.into())
 }
 
-/// Assigns each point to the first facet from `first` on that it is outside of. A point that is outside of no facet is inside the hull. Returns the
-/// facets that got points beyond the tolerance.
+/// Assigns each point to the first facet from `first` on that it is outside of. A point that is outside of no facet is inside the hull.
+/// Returns the facets that got points beyond the tolerance.
 fn assign_points(
     points: &[I64Vec3],
     facets: &mut [Facet],
@@ -156,8 +157,8 @@ fn assign_points(
     homes
 }
 
-/// Assigns points within the tolerance of their facet anew: near a sharp edge, such a point may be far outside of a facet behind the edge. Returns
-/// the facets that got points.
+/// Assigns points within the tolerance of their facet anew: near a sharp edge, such a point may be far outside of a facet behind the edge.
+/// Returns the facets that got points.
 fn reassign_near_points(points: &[I64Vec3], facets: &mut [Facet], slack: f64) -> Vec<usize> {
     let mut homes = Vec::new();
     for i in 0..facets.len() {
@@ -174,8 +175,8 @@ fn reassign_near_points(points: &[I64Vec3], facets: &mut [Facet], slack: f64) ->
     homes
 }
 
-/// Searches for a facet that a point is outside of by more than the tolerance. The search starts at a visible facet, because the visible facets are
-/// connected.
+/// Searches for a facet that a point is outside of by more than the tolerance. The search starts at a visible facet, because the visible
+/// facets are connected.
 fn find_visible_facet(
     points: &[I64Vec3],
     facets: &[Facet],
@@ -200,7 +201,8 @@ fn find_visible_facet(
     None
 }
 
-/// Removes all facets that are visible from a point. Returns their rim, as the facets outside it and the index of the side, and their points.
+/// Removes all facets that are visible from a point. Returns their rim, as the facets outside it and the index of the side, and their
+/// points.
 fn remove_visible_facets(
     points: &[I64Vec3],
     facets: &mut [Facet],

@@ -1,13 +1,14 @@
 //! Small changes that nothing resists.
 //!
-//! A feather tips a seesaw however heavy it is, because its hinge resists nothing. So changes that are too small to wake a body by themselves are
-//! followed down to the ground every quarter of a second, from the bodies that awake ones touch on. Each sleeping body passes its change on to what holds
-//! it up. Each contact point takes a part of it in proportion to its *reserve*: its normal force, and what friction can still bear. These parts balance
-//! the change, and are the smallest by least squares. A body wakes with all that rests on it if a part takes more than half of a reserve, if nothing
-//! balances the change, or if a joint holds it that is no mortar: it may be at its limit, and shows it when it is awake.
+//! A feather tips a seesaw however heavy it is, because its hinge resists nothing. So changes that are too small to wake a body by
+//! themselves are followed down to the ground every quarter of a second, from the bodies that awake ones touch on. Each sleeping body
+//! passes its change on to what holds it up. Each contact point takes a part of it in proportion to its *reserve*: its normal force, and
+//! what friction can still bear. These parts balance the change, and are the smallest by least squares. A body wakes with all that rests on
+//! it if a part takes more than half of a reserve, if nothing balances the change, or if a joint holds it that is no mortar: it may be at
+//! its limit, and shows it when it is awake.
 //!
-//! With reserves as weights a body that stands on two rows of points is at its limit where statics tips it. If it stands on more, a point may be unloaded
-//! earlier; then the body wakes, stands, and sleeps again.
+//! With reserves as weights a body that stands on two rows of points is at its limit where statics tips it. If it stands on more, a point
+//! may be unloaded earlier; then the body wakes, stands, and sleeps again.
 
 use super::{Need, Rising};
 use crate::body::BodyState;
@@ -80,8 +81,8 @@ struct Followed {
 }
 
 impl Need<'_, '_, '_> {
-    /// Follows how the forces on sleeping bodies beside awake ones have changed since their accounts were opened, and wakes the bodies that may not
-    /// bear it.
+    /// Follows how the forces on sleeping bodies beside awake ones have changed since their accounts were opened, and wakes the bodies that
+    /// may not bear it.
     pub fn wake_unsteady(
         &self,
         boundary: &[u32],
@@ -275,7 +276,8 @@ impl Need<'_, '_, '_> {
         }
     }
 
-    /// Returns true if all that holds a body up is awake. Then it is a weight that cannot be moved to these bodies, and hides from them that they tip.
+    /// Returns true if all that holds a body up is awake. Then it is a weight that cannot be moved to these bodies, and hides from them
+    /// that they tip.
     fn stands_on_awake(&self, slot: u32, up: Vec3) -> bool {
         let each = self.forces.each(slot, self.graph);
         let mut holding = each.iter().filter(|(_, wrench)| wrench.force.dot(up) > 0.0);
@@ -306,8 +308,9 @@ fn slack(
     (pair.friction - borne.length() / pressed.max(f32::MIN_POSITIVE)).max(0.0)
 }
 
-/// The smallest shares of their reserves, by least squares, with which rows give a body a force and a moment, N: those of a row are its force and its moment
-/// times the two vectors that are returned. What nothing else balances is left to a reserve of `least` in all directions, N.
+/// The smallest shares of their reserves, by least squares, with which rows give a body a force and a moment, N: those of a row are its
+/// force and its moment times the two vectors that are returned. What nothing else balances is left to a reserve of `least` in all
+/// directions, N.
 fn solve(rows: &[Row], least: f32, [force, moment]: [Vec3; 2]) -> [Vec3; 2] {
     let mut a = [[0.0_f32; 7]; 6];
     for row in rows {

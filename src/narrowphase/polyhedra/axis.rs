@@ -1,16 +1,17 @@
 //! Finds the separating axis of two convex polyhedra: the direction along which they are farthest apart, or overlap least.
 //!
-//! The axis is the normal of a face, or perpendicular to one edge of each solid. An edge supports its solid in the directions on the arc between the
-//! normals of its two faces. Only pairs of edges are candidates for which the arc of A crosses the reversed arc of B on the sphere of directions
-//! (Gregorius, GDC 2013).
+//! The axis is the normal of a face, or perpendicular to one edge of each solid. An edge supports its solid in the directions on the arc
+//! between the normals of its two faces. Only pairs of edges are candidates for which the arc of A crosses the reversed arc of B on the
+//! sphere of directions (Gregorius, GDC 2013).
 //!
-//! A candidate is skipped if it cannot be the best: the distance along a direction is at most the distance between A and a ball inside B. This leaves
-//! a few faces and edges near the contact, however many the solids have.
+//! A candidate is skipped if it cannot be the best: the distance along a direction is at most the distance between A and a ball inside B.
+//! This leaves a few faces and edges near the contact, however many the solids have.
 //!
-//! Faces are preferred to edges by a margin far below any relevant length and far above rounding: if faces coincide, the crossed edges of the same
-//! faces are equally far apart, and give only one point. If two faces are rotated slightly against each other, a pair of edges is often
-//! farther apart along a direction between their normals. The joints of a settling arch would then alternate between one point and four. Therefore
-//! the margin is larger for edges whose direction is near that of the best face, and any other axis must be better than the last axis by a margin.
+//! Faces are preferred to edges by a margin far below any relevant length and far above rounding: if faces coincide, the crossed edges of
+//! the same faces are equally far apart, and give only one point. If two faces are rotated slightly against each other, a pair of edges is
+//! often farther apart along a direction between their normals. The joints of a settling arch would then alternate between one point and
+//! four. Therefore the margin is larger for edges whose direction is near that of the best face, and any other axis must be better than the
+//! last axis by a margin.
 
 use super::cuboid;
 use super::placement::Placement;
@@ -29,11 +30,12 @@ const ALIKE: f64 = 0.996;
 /// … this is the margin by which the face is preferred, as a share of the smaller solid's radius.
 const MORE: f64 = 2e-3;
 
-/// The axis of the last step is kept unless another is better by this share of the smaller solid's radius. Without it, a body that rocks on an edge
-/// alternates between the adjacent face and the edge, and never comes to rest: of six piles of 300 splinters only two fell asleep.
+/// The axis of the last step is kept unless another is better by this share of the smaller solid's radius. Without it, a body that rocks on
+/// an edge alternates between the adjacent face and the edge, and never comes to rest: of six piles of 300 splinters only two fell asleep.
 const STEADY: f64 = 0.005;
 
-/// Two edges are parallel if the sine of the angle between them is below this. Their cross product gives no more than the adjacent faces do.
+/// Two edges are parallel if the sine of the angle between them is below this. Their cross product gives no more than the adjacent faces
+/// do.
 const PARALLEL: f64 = 1e-7;
 
 /// The rounding error of a hull's normals in single precision, as the square of the sine of an angle.
@@ -68,8 +70,8 @@ impl From<Separation> for Separations {
     }
 }
 
-/// Returns the axis with the greatest distance. If there is an axis along which the distance is greater than `reach` (m), returns any such axis.
-/// `last` is the axis of the last step.
+/// Returns the axis with the greatest distance. If there is an axis along which the distance is greater than `reach` (m), returns any such
+/// axis. `last` is the axis of the last step.
 pub fn separate<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -143,8 +145,8 @@ fn known_separation<A: Solid, B: Solid>(
     }
 }
 
-/// The distance of B from A along a direction, m, over all corners. If two edges are almost parallel, rounding decides whether their arcs cross,
-/// and their normal may be any direction perpendicular to them. So the distance along it is computed from all corners.
+/// The distance of B from A along a direction, m, over all corners. If two edges are almost parallel, rounding decides whether their arcs
+/// cross, and their normal may be any direction perpendicular to them. So the distance along it is computed from all corners.
 fn distance_along<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3) -> f64 {
     normal.dot(place.origin) - b.reach(-place.back(normal)) - a.reach(normal)
 }
@@ -155,8 +157,8 @@ fn distance_from_face<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, face:
     normal.dot(place.origin) - b.reach(-place.back(normal)) - offset
 }
 
-/// Returns the face of either solid from which the other is farthest. If some face is farther than `reach`, returns any such face. Within `margin`,
-/// the face of the last step is preferred, and then those of A.
+/// Returns the face of either solid from which the other is farthest. If some face is farther than `reach`, returns any such face. Within
+/// `margin`, the face of the last step is preferred, and then those of A.
 fn best_face<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -203,7 +205,8 @@ fn best_face<A: Solid, B: Solid>(
     best
 }
 
-/// Returns the face of A from which B is farthest, if that is farther than `floor`. If some face is farther than `reach`, returns any such face.
+/// Returns the face of A from which B is farthest, if that is farther than `floor`. If some face is farther than `reach`, returns any such
+/// face.
 fn farther_face<A: Solid, B: Solid>(
     a: &A,
     b: &B,
@@ -315,8 +318,8 @@ impl Arc {
     fn crosses(&self, other: &Self) -> Option<(DVec3, f64)> {
         let [a, b] = self.normals;
         let [c, d] = other.normals;
-        // Two arcs cross if the ends of each are on different sides of the other's great circle, and both arcs are on the same half of the sphere. An
-        // end on the circle, up to rounding, counts as on either side.
+        // Two arcs cross if the ends of each are on different sides of the other's great circle, and both arcs are on the same half of the
+        // sphere. An end on the circle, up to rounding, counts as on either side.
         let [c_side, d_side] = [c, d].both(|normal| normal.dot(self.along));
         if c_side * d_side >= ROUNDING * self.along.length_squared() {
             return None;
@@ -382,7 +385,8 @@ fn best_edges<A: Solid, B: Solid>(
     best
 }
 
-/// The same for two boxes. Their edges have three directions each, so there are nine cross products. The signs of the normal give the edges.
+/// The same for two boxes. Their edges have three directions each, so there are nine cross products. The signs of the normal give the
+/// edges.
 fn box_edges(
     half_a: DVec3,
     half_b: DVec3,

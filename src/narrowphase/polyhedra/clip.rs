@@ -1,9 +1,9 @@
-//! The intersection of two faces: the incident face, clipped by the sides of the reference face (Sutherland and Hodgman 1974; Ericson 2005, 5.4.2
-//! and 8.3.4).
+//! The intersection of two faces: the incident face, clipped by the sides of the reference face (Sutherland and Hodgman 1974; Ericson 2005,
+//! 5.4.2 and 8.3.4).
 //!
-//! The boundary belongs to a face: corners on edges, edges on edges and corners on corners are inside, with a tolerance far above rounding. Faces
-//! that coincide therefore keep all their corners. Each corner of the result knows its features, because each edge knows to which face it
-//! belongs.
+//! The boundary belongs to a face: corners on edges, edges on edges and corners on corners are inside, with a tolerance far above rounding.
+//! Faces that coincide therefore keep all their corners. Each corner of the result knows its features, because each edge knows to which
+//! face it belongs.
 
 use super::solid::{Side, Solid};
 use crate::contact::FeatureId;
@@ -42,15 +42,16 @@ impl Origin {
     }
 }
 
-/// The face that an edge belongs to, with its index in the outline of the reference face, or its number among the edges of the incident solid.
+/// The face that an edge belongs to, with its index in the outline of the reference face, or its number among the edges of the incident
+/// solid.
 #[derive(Clone, Copy, Debug)]
 enum Owner {
     Reference(u16),
     Incident(u16),
 }
 
-/// A corner of a polygon while it is clipped: its index among all corners, and the edge that follows it. Both are packed into one word, because
-/// reading a word that has just been written in parts is slow (it cannot be forwarded from the store buffer).
+/// A corner of a polygon while it is clipped: its index among all corners, and the edge that follows it. Both are packed into one word,
+/// because reading a word that has just been written in parts is slow (it cannot be forwarded from the store buffer).
 #[derive(Clone, Copy, Debug)]
 struct Link(u32);
 
@@ -121,8 +122,9 @@ pub fn longest_facing<S: Solid>(solid: &S, direction: DVec3) -> Option<u16> {
     facing.max_by(|&a, &b| merit(a).total_cmp(&merit(b)))
 }
 
-/// Returns the face with which a solid touches another in a direction (in its own frame). It is the face around the farthest corner whose normal is
-/// nearest to the direction. If the solid stands on an edge, it is one of the two faces at that edge; otherwise the contact would be at one end only.
+/// Returns the face with which a solid touches another in a direction (in its own frame). It is the face around the farthest corner whose
+/// normal is nearest to the direction. If the solid stands on an edge, it is one of the two faces at that edge; otherwise the contact would
+/// be at one end only.
 pub fn facing<S: Solid>(solid: &S, direction: DVec3) -> u16 {
     let cosine_of = |face: u16| solid.plane(face).0.dot(direction);
     let farthest = solid.farthest(direction);

@@ -1,7 +1,7 @@
 //! A box around the origin, given by its half extents.
 //!
-//! Corner `i` is on the positive side of the axes whose bits are set in `i`. Face `2k` is on the negative side of axis `k`, and face `2k + 1` on its
-//! positive side. Edge `4k + b` runs along axis `k`; the two bits of `b` give the sides of the next two axes.
+//! Corner `i` is on the positive side of the axes whose bits are set in `i`. Face `2k` is on the negative side of axis `k`, and face `2k +
+//! 1` on its positive side. Edge `4k + b` runs along axis `k`; the two bits of `b` give the sides of the next two axes.
 
 use super::solid::{Ridge, Side, Solid};
 use glam::{DVec3, Vec3};

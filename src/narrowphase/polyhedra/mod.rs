@@ -1,8 +1,9 @@
 //! The contact of two convex polyhedra: cuboids, convex hulls, triangles.
 //!
-//! First the direction is found along which they are farthest apart, or overlap least ([`separate`]). Then the contact is computed along that
-//! direction. For two faces it is the polygon in which they overlap, and each of its corners has a number that persists as long as its features do
-//! ([`FeatureId`]). For two edges it is the point where they cross. `docs/contact.md` explains the reasons and gives the sources.
+//! First the direction is found along which they are farthest apart, or overlap least ([`separate`]). Then the contact is computed along
+//! that direction. For two faces it is the polygon in which they overlap, and each of its corners has a number that persists as long as its
+//! features do ([`FeatureId`]). For two edges it is the point where they cross. `docs/contact.md` explains the reasons and gives the
+//! sources.
 //!
 //! The module consists of plain functions on plain data: no entities, and no allocation except for faces with more than eight corners.
 
@@ -37,8 +38,8 @@ pub(crate) const SLACK: f64 = 1e-4;
 /// The overlap along a preferred axis may be less by this share of the solid's size ([`across`]) than along the best axis.
 const LACKING: f64 = 1e-3;
 
-/// The contact of two solids that touch or soon may, in the frame of A. It has no points if they do not touch. Functions overwrite a contact that
-/// the caller provides, which avoids copying it.
+/// The contact of two solids that touch or soon may, in the frame of A. It has no points if they do not touch. Functions overwrite a
+/// contact that the caller provides, which avoids copying it.
 #[derive(Clone, Debug, Default)]
 pub struct Contact {
     /// Unit vector from B to A.
@@ -102,8 +103,8 @@ pub struct Search {
     pub graze: f64,
 }
 
-/// Computes the contact of A and B, which is placed in the frame of A. Returns their distance along the separating axis, m. If it is within reach,
-/// there may still be no contact points, if no point of either faces the other.
+/// Computes the contact of A and B, which is placed in the frame of A. Returns their distance along the separating axis, m. If it is within
+/// reach, there may still be no contact points, if no point of either faces the other.
 ///
 /// `axis` is the axis of the last step, and is replaced by the new one. It saves most of the work if the solids are still apart.
 pub fn meet<A: Solid, B: Solid>(
@@ -174,8 +175,9 @@ pub fn touch_along<A: Solid, B: Solid>(
     faces_along(a, b, place, normal, reach, contact);
 }
 
-/// Replaces the contact of a face with a solid above it by that with a long face of the solid, from its nearest corner on, so that points at both of
-/// its ends count. `axis` is that of the contact, and `long` says which of the two is such a solid. There may be none, and then the contact stays.
+/// Replaces the contact of a face with a solid above it by that with a long face of the solid, from its nearest corner on, so that points
+/// at both of its ends count. `axis` is that of the contact, and `long` says which of the two is such a solid. There may be none, and then
+/// the contact stays.
 pub fn touch_lengthwise<A: Solid, B: Solid>(
     a: &A,
     b: &B,

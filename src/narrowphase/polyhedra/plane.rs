@@ -5,8 +5,8 @@ use super::solid::Solid;
 use super::{Contact, FeatureId, Point};
 use glam::DVec3;
 
-/// Computes the contact of a solid with the half-space `up · x ≤ height` in its frame, where `up` is a unit vector. The normal of the contact is
-/// `up`. `corner` returns the identity of a corner. The contact is overwritten.
+/// Computes the contact of a solid with the half-space `up · x ≤ height` in its frame, where `up` is a unit vector. The normal of the
+/// contact is `up`. `corner` returns the identity of a corner. The contact is overwritten.
 pub fn meet_plane<S: Solid>(
     solid: &S,
     up: DVec3,

@@ -1,11 +1,11 @@
 //! Seams: prevents a body that slides over flush faces from catching on an edge between them.
 //!
-//! A brick that slides along a course of bricks sinks in by a fraction of a millimetre, and then overlaps the side of the next brick by as much.
-//! Collision detection would find a wall there, and the brick would bump or stop. The true contact is the one on top, which is about to begin.
-//! Therefore a pair has no contact while it overlaps by almost nothing across the normal, at faces of both bodies that are flush.
+//! A brick that slides along a course of bricks sinks in by a fraction of a millimetre, and then overlaps the side of the next brick by as
+//! much. Collision detection would find a wall there, and the brick would bump or stop. The true contact is the one on top, which is about
+//! to begin. Therefore a pair has no contact while it overlaps by almost nothing across the normal, at faces of both bodies that are flush.
 //!
-//! The same holds if the next face falls away at a small angle: the tops of the voussoirs of an arch form a polygon, and a body that slides up one of
-//! them extends beyond the ridge before it tips over it.
+//! The same holds if the next face falls away at a small angle: the tops of the voussoirs of an arch form a polygon, and a body that slides
+//! up one of them extends beyond the ridge before it tips over it.
 
 use super::clip::facing;
 use super::placement::Placement;
@@ -36,8 +36,8 @@ fn share(along: f64) -> f64 {
     }
 }
 
-/// Returns true if, along the normal of some face other than the contact's, the solids overlap by less than `most` (m) and by almost nothing, and the
-/// face is flush with a face of the other solid.
+/// Returns true if, along the normal of some face other than the contact's, the solids overlap by less than `most` (m) and by almost
+/// nothing, and the face is flush with a face of the other solid.
 pub fn graze<A: Solid, B: Solid>(
     a: &A,
     b: &B,

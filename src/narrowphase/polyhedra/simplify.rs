@@ -1,13 +1,13 @@
 //! Reduction of a polygon to a few corners that support a body like the whole polygon.
 //!
-//! Two square faces rotated slightly against each other meet in an octagon with unevenly spaced corners. Each point is a spring to a soft solver, so
-//! the side with more points is stiffer, and the body on it leans: a stack of 20 with 0.01 rad of yaw fell because of that alone. Therefore the
-//! corner that contributes the least area is removed first (Visvalingam and Whyatt 1993), until the corners are few enough and each contributes enough.
-//! Corners that existed in the last step count more; otherwise two neighbours would alternate. A corner that is clearly the deepest
-//! always stays; without it one body would sink into the other.
+//! Two square faces rotated slightly against each other meet in an octagon with unevenly spaced corners. Each point is a spring to a soft
+//! solver, so the side with more points is stiffer, and the body on it leans: a stack of 20 with 0.01 rad of yaw fell because of that
+//! alone. Therefore the corner that contributes the least area is removed first (Visvalingam and Whyatt 1993), until the corners are few
+//! enough and each contributes enough. Corners that existed in the last step count more; otherwise two neighbours would alternate. A corner
+//! that is clearly the deepest always stays; without it one body would sink into the other.
 //!
-//! A corner that was removed early may be needed later: of a round face four corners were left that enclosed 0.56 of its area. Therefore each
-//! remaining corner is replaced by one between its neighbours that contributes clearly more.
+//! A corner that was removed early may be needed later: of a round face four corners were left that enclosed 0.56 of its area. Therefore
+//! each remaining corner is replaced by one between its neighbours that contributes clearly more.
 
 use super::{Contact, FeatureId, Point, Points};
 use glam::DVec3;
@@ -19,8 +19,8 @@ const SMALL: f64 = 0.05;
 /// A corner that is deeper than all others by this share of the polygon's width (the root of its area) stays.
 const DEEP: f64 = 0.005;
 
-/// For a corner that existed in the last step, [`DEEP`] is multiplied by this. A body whose supporting point is removed would sink, rise, and rock
-/// for ever.
+/// For a corner that existed in the last step, [`DEEP`] is multiplied by this. A body whose supporting point is removed would sink, rise,
+/// and rock for ever.
 const LOADED: f64 = 0.1;
 
 /// Maximum number of corners of the intersection of two quadrilaterals. Only polygons with more corners are improved after the reduction.
@@ -36,8 +36,8 @@ const ROUNDS: usize = 2;
 const KEPT: f64 = 2.0;
 
 impl Contact {
-    /// Removes corners until at most `most` are left, and each of them contributes enough area. `known` returns whether a corner existed in the last
-    /// step.
+    /// Removes corners until at most `most` are left, and each of them contributes enough area. `known` returns whether a corner existed in
+    /// the last step.
     pub fn simplify(&mut self, most: usize, known: impl Fn(FeatureId) -> bool) {
         if self.points.len() < 3 {
             return;

@@ -1,7 +1,7 @@
 //! The interface of a convex polyhedron for collision detection: corners, faces, edges and extents.
 //!
-//! All values are in the solid's own frame, in m, and in double precision. In scalar code double precision costs no more than single, and all digits
-//! matter if faces and edges coincide.
+//! All values are in the solid's own frame, in m, and in double precision. In scalar code double precision costs no more than single, and
+//! all digits matter if faces and edges coincide.
 
 use glam::DVec3;
 
@@ -35,8 +35,8 @@ pub trait Solid {
     /// Edge `i`.
     fn edge(&self, i: u16) -> Ridge;
 
-    /// Returns true if one corner is farther in a direction than all others by more than `slack` (m times the length of the direction). May return
-    /// false if this is expensive to decide.
+    /// Returns true if one corner is farther in a direction than all others by more than `slack` (m times the length of the direction). May
+    /// return false if this is expensive to decide.
     fn stands_on_a_corner(&self, _direction: DVec3, _slack: f64) -> bool {
         false
     }

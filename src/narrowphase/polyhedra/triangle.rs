@@ -1,7 +1,7 @@
 //! A triangle as a [`Solid`]: a prism without height. Its three sides are faces whose outlines have two corners.
 //!
-//! Face 0 is the front, seen from which the corners run counterclockwise. Face 1 is the back, and the others are the sides. The first three edges
-//! belong to the front, the other three to the back.
+//! Face 0 is the front, seen from which the corners run counterclockwise. Face 1 is the back, and the others are the sides. The first three
+//! edges belong to the front, the other three to the back.
 
 use super::solid::{Ridge, Side, Solid};
 use crate::solver::Both;

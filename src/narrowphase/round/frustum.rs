@@ -1,8 +1,9 @@
-//! Cylinders and cones as frustums, with straight sides and flat ends. A capsule or a ball is a frustum of radius 0 (a segment or a point) with a
-//! border: it contains all points within a distance of the frustum.
+//! Cylinders and cones as frustums, with straight sides and flat ends. A capsule or a ball is a frustum of radius 0 (a segment or a point)
+//! with a border: it contains all points within a distance of the frustum.
 //!
-//! An end is an outline of twelve points that are fixed in the body, so that they stay the same while the body stands. If the end is tilted, the
-//! lowest point of its rim is added. Without it, a body that wobbles would jolt from corner to corner. A side is the line that faces the other body.
+//! An end is an outline of twelve points that are fixed in the body, so that they stay the same while the body stands. If the end is
+//! tilted, the lowest point of its rim is added. Without it, a body that wobbles would jolt from corner to corner. A side is the line that
+//! faces the other body.
 
 use super::face::{Face, LEVEL};
 use crate::narrowphase::polyhedra::Outline;

@@ -1,7 +1,7 @@
 //! The contact of cylinders and cones with each other, with polyhedra and with half-spaces.
 //!
-//! First the direction along which they are farthest apart is found ([`separate`]). If faces lie on each other there, the contact is the outline of
-//! one clipped by that of the other; otherwise it is the point at which the two are nearest.
+//! First the direction along which they are farthest apart is found ([`separate`]). If faces lie on each other there, the contact is the
+//! outline of one clipped by that of the other; otherwise it is the point at which the two are nearest.
 
 mod face;
 pub(super) mod frustum;
@@ -20,12 +20,12 @@ pub use normal::{Found, separate};
 pub use part::Part;
 pub use simplify::simplify;
 
-/// Half the width of the line along which two round sides touch, as a share of the smaller size. If the sides cross at an angle, the points are
-/// nearer to each other, because they must be within this width.
+/// Half the width of the line along which two round sides touch, as a share of the smaller size. If the sides cross at an angle, the points
+/// are nearer to each other, because they must be within this width.
 const LINE: f64 = 0.02;
 
-/// Computes the contact of two bodies in their common frame. Returns a lower bound of their distance (m) if it is greater than the reach, and −∞
-/// otherwise.
+/// Computes the contact of two bodies in their common frame. Returns a lower bound of their distance (m) if it is greater than the reach,
+/// and −∞ otherwise.
 ///
 /// `last` is the contact's direction in the last step, from A to B. The contact is overwritten.
 pub fn meet(a: &Part, b: &Part, search: Search, last: Option<DVec3>, contact: &mut Contact) -> f64 {

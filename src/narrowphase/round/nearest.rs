@@ -1,10 +1,10 @@
-//! Computes the nearest points of two convex bodies that are apart (Gilbert, Johnson and Keerthi 1988). It uses double precision, because the error
-//! of the direction between points on curved surfaces is the square root of the error of the distance.
+//! Computes the nearest points of two convex bodies that are apart (Gilbert, Johnson and Keerthi 1988). It uses double precision, because
+//! the error of the direction between points on curved surfaces is the square root of the error of the distance.
 
 use glam::DVec3;
 
-/// Relative tolerance of the squared distance. The direction then has an error of 1e-4 rad, and the next round improves it. With 1e-12 a search took
-/// twice as long, and the final normals were not better.
+/// Relative tolerance of the squared distance. The direction then has an error of 1e-4 rad, and the next round improves it. With 1e-12 a
+/// search took twice as long, and the final normals were not better.
 const PRECISE: f64 = 1e-7;
 
 /// Maximum number of iterations.
@@ -13,8 +13,8 @@ const TRIES: usize = 64;
 /// The squared distance of a weighted sum of corners from the origin, and the weights of the four corners.
 type Shares = (f64, [f64; 4]);
 
-/// A simplex of up to four corners. Each corner is a pair of points, one on the surface of A and one on that of B. A similar search may begin with the
-/// simplex of the search before it, and then needs few iterations.
+/// A simplex of up to four corners. Each corner is a pair of points, one on the surface of A and one on that of B. A similar search may
+/// begin with the simplex of the search before it, and then needs few iterations.
 #[derive(Default)]
 pub struct Simplex {
     corners: [[DVec3; 2]; 4],
@@ -24,8 +24,8 @@ pub struct Simplex {
 impl Simplex {
     /// Returns the nearest points of A and B. For the search, B is translated by `off`.
     ///
-    /// `farthest` returns the farthest point of A in a direction and that of B in the opposite direction, without the translation. `towards` is the
-    /// approximate direction of B.
+    /// `farthest` returns the farthest point of A in a direction and that of B in the opposite direction, without the translation.
+    /// `towards` is the approximate direction of B.
     pub fn nearest(
         &mut self,
         farthest: impl Fn(DVec3) -> [DVec3; 2],
@@ -102,8 +102,8 @@ fn difference(on: [DVec3; 2], off: DVec3) -> DVec3 {
     on[1] + off - on[0]
 }
 
-/// Returns the weights of the first `count` corners at the point nearest to the origin. The last corner is new and has nearest_to_origin the distance, so the
-/// point is on a line or triangle with that corner.
+/// Returns the weights of the first `count` corners at the point nearest to the origin. The last corner is new and has nearest_to_origin
+/// the distance, so the point is on a line or triangle with that corner.
 fn nearest_to_origin(ways: &[DVec3; 4], count: usize) -> Shares {
     let last = count - 1;
     let mut best = on_line(ways, [0, last]);

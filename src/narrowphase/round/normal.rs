@@ -1,16 +1,16 @@
 //! Finds the direction along which a round body and another convex body are farthest apart, or overlap least.
 //!
-//! Parry's normals of curved surfaces that touch have errors of some hundredths of a radian, which differ in every step and jolt bodies that lie
-//! there. Here the normals of flat faces are tried first. Then B is moved away a little along the best direction so far, so that the bodies are
-//! apart. The direction between their nearest points is a better direction. This is repeated until it does not change, and then it is the normal. The
-//! result is exact if the bodies lie on each other, and the search is short if they do not.
+//! Parry's normals of curved surfaces that touch have errors of some hundredths of a radian, which differ in every step and jolt bodies
+//! that lie there. Here the normals of flat faces are tried first. Then B is moved away a little along the best direction so far, so that
+//! the bodies are apart. The direction between their nearest points is a better direction. This is repeated until it does not change, and
+//! then it is the normal. The result is exact if the bodies lie on each other, and the search is short if they do not.
 
 use super::nearest::Simplex;
 use super::part::Part;
 use glam::DVec3;
 
-/// Distance by which B is moved away, as a share of the smaller size. It is small because a round reduces the error of the direction to about this
-/// share, for curved surfaces.
+/// Distance by which B is moved away, as a share of the smaller size. It is small because a round reduces the error of the direction to
+/// about this share, for curved surfaces.
 const OFF: f64 = 0.05;
 
 /// Maximum number of rounds. Each leaves a twentieth of the previous error of the direction.
@@ -19,7 +19,8 @@ const ROUNDS: usize = 8;
 /// Margin by which directions of flat faces are preferred, as a share of the smaller size.
 const MARGIN: f64 = 5e-6;
 
-/// If the bodies lie on each other with flat faces, a direction is similar to that of the faces if the cosine between them is above this (5°). Then …
+/// If the bodies lie on each other with flat faces, a direction is similar to that of the faces if the cosine between them is above this
+/// (5°). Then …
 const ALIKE: f64 = 0.996;
 
 /// … this is the margin by which the faces are preferred, as a share of the smaller size.

@@ -4,11 +4,12 @@ use super::part::Part;
 use crate::narrowphase::polyhedra::seams::OWN;
 use glam::DVec3;
 
-/// Overlap below which faces do not touch, as a share of the smaller body's extent. It is less than for polyhedra, because most overlaps between the
-/// flank of a cone and the rim of another are small, and in heaps there are many.
+/// Overlap below which faces do not touch, as a share of the smaller body's extent. It is less than for polyhedra, because most overlaps
+/// between the flank of a cone and the rim of another are small, and in heaps there are many.
 const SHARE: f64 = 2e-3;
 
-/// Returns true if, along the normal of some flat face other than the contact's, the bodies overlap by less than `most` (m) and by almost nothing.
+/// Returns true if, along the normal of some flat face other than the contact's, the bodies overlap by less than `most` (m) and by almost
+/// nothing.
 pub fn graze(a: &Part, b: &Part, normal: DVec3, most: f64) -> bool {
     grazes(a, b, normal, most) || grazes(b, a, normal, most)
 }

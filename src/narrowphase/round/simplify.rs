@@ -1,13 +1,13 @@
-//! Reduction of a contact to a few points, as for polyhedra, but the deepest point is always kept. No single corner of a round end contributes much
-//! area, and a body that sinks in at an angle would go on sinking if its deepest point were removed.
+//! Reduction of a contact to a few points, as for polyhedra, but the deepest point is always kept. No single corner of a round end
+//! contributes much area, and a body that sinks in at an angle would go on sinking if its deepest point were removed.
 
 use crate::narrowphase::polyhedra::{Contact, FeatureId, Point};
 
 /// The deepest point is restored if it is deeper than all others by this share of the smaller radius.
 const DEEPER: f64 = 1e-3;
 
-/// Removes points until at most `most` are left. `radius` is that of the smaller round body, m. `known` returns whether a point existed in the last
-/// step.
+/// Removes points until at most `most` are left. `radius` is that of the smaller round body, m. `known` returns whether a point existed in
+/// the last step.
 pub fn simplify(
     contact: &mut Contact,
     most: usize,

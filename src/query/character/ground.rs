@@ -28,7 +28,8 @@ pub struct Ground {
     pub point: Vec3,
     /// Distance of the character from it, straight down, m.
     pub distance: f32,
-    /// Velocity of the ground at that point in the last step, m/s: that of a moving platform or of a [belt](crate::collider::SurfaceVelocity).
+    /// Velocity of the ground at that point in the last step, m/s: that of a moving platform or of a
+    /// [belt](crate::collider::SurfaceVelocity).
     pub velocity: Vec3,
 }
 
@@ -72,8 +73,8 @@ impl SpatialQuery<'_, '_> {
         Ok(ground)
     }
 
-    /// The normal of the surface on which a shape came down, if it is flat enough to stand on. A round shape touches the edge of a step with a
-    /// normal of its own; what counts there is the face behind the edge.
+    /// The normal of the surface on which a shape came down, if it is flat enough to stand on. A round shape touches the edge of a step
+    /// with a normal of its own; what counts there is the face behind the edge.
     pub(super) fn face_below(
         &self,
         hit: &CastHit,

@@ -1,10 +1,11 @@
 //! Characters: shapes that a game moves itself, that slide along what they meet, climb steps and stand on slopes.
 //!
-//! The component [`Character`](crate::character::Character) does all of this in each step. What is here is for games with rules of their own.
+//! The component [`Character`](crate::character::Character) does all of this in each step. What is here is for games with rules of their
+//! own.
 //!
-//! A character is not a dynamic body: it goes where its player wants. [`move_and_slide`](SpatialQuery::move_and_slide) says how far it gets in one
-//! step of the game, and [`ground`](SpatialQuery::ground) what it stands on. Both only ask: they move nothing. What the character runs into is
-//! in the answer, with the impulse by which it [pushes](CharacterHit::push) it.
+//! A character is not a dynamic body: it goes where its player wants. [`move_and_slide`](SpatialQuery::move_and_slide) says how far it gets
+//! in one step of the game, and [`ground`](SpatialQuery::ground) what it stands on. Both only ask: they move nothing. What the character
+//! runs into is in the answer, with the impulse by which it [pushes](CharacterHit::push) it.
 //!
 //! The method is that of most engines: the shape is cast along the way, stops a little before the first obstacle, and goes on along its
 //! surface with what is left. At a wall it looks whether there is a step behind it.
@@ -47,7 +48,8 @@ pub struct MoveAndSlide {
     pub step_height: f32,
     /// Depth that a step must have to stand on, m. Default: 0.1.
     pub step_depth: f32,
-    /// A character that stands and does not move up from its ground is kept on ground that falls away by no more than this, m. Default: 0.3.
+    /// A character that stands and does not move up from its ground is kept on ground that falls away by no more than this, m. Default:
+    /// 0.3.
     pub snap_distance: f32,
     /// Upper bound of the obstacles that it slides along in one call. Default: 6.
     pub max_slides: u32,
@@ -108,11 +110,11 @@ pub struct Slide {
 }
 
 impl SpatialQuery<'_, '_> {
-    /// Moves a shape from a pose by a translation (m), and lets it slide along obstacles, climb steps, and keep to the ground when it goes down.
-    /// The filter must exclude the character's own body. Where the shape overlaps bodies at the start it is moved out first.
+    /// Moves a shape from a pose by a translation (m), and lets it slide along obstacles, climb steps, and keep to the ground when it goes
+    /// down. The filter must exclude the character's own body. Where the shape overlaps bodies at the start it is moved out first.
     ///
-    /// On a moving platform add [`Ground::velocity`] times the length of the step to the translation; what counts as going up is relative to the
-    /// ground. The component [`Character`](crate::character::Character) goes with its ground by itself.
+    /// On a moving platform add [`Ground::velocity`] times the length of the step to the translation; what counts as going up is relative
+    /// to the ground. The component [`Character`](crate::character::Character) goes with its ground by itself.
     ///
     /// ```
     /// use bevy_transform::components::Transform;
@@ -142,8 +144,8 @@ impl SpatialQuery<'_, '_> {
     /// ```
     ///
     /// # Errors
-    /// [`QueryError`] if the pose, the translation or a setting is not finite or negative, the shape is degenerate or unbounded, or it cannot be
-    /// compared with that of a body on its way.
+    /// [`QueryError`] if the pose, the translation or a setting is not finite or negative, the shape is degenerate or unbounded, or it
+    /// cannot be compared with that of a body on its way.
     pub fn move_and_slide(
         &self,
         collider: &Collider,
@@ -231,8 +233,8 @@ impl SpatialQuery<'_, '_> {
         }))
     }
 
-    /// Whether a character takes off from its ground: it goes up faster than the ground does, by more than the ground's velocity can change in a
-    /// step, if the ground moves.
+    /// Whether a character takes off from its ground: it goes up faster than the ground does, by more than the ground's velocity can change
+    /// in a step, if the ground moves.
     fn goes_up(&self, stood: &Ground, translation: Vec3, rules: &MoveAndSlide) -> bool {
         /// m
         const ROUNDING: f32 = 1e-6;

@@ -30,8 +30,8 @@ pub struct CharacterHit {
 }
 
 impl CharacterHit {
-    /// The impulse (N·s) by which a character pushes the body with a force of at most `max_force` (N) in a step of `seconds`, and with no more than
-    /// brings the body to the speed at which the character came. Apply it at [`point`](Self::point), such as with
+    /// The impulse (N·s) by which a character pushes the body with a force of at most `max_force` (N) in a step of `seconds`, and with no
+    /// more than brings the body to the speed at which the character came. Apply it at [`point`](Self::point), such as with
     /// [`Forces`](crate::body::Forces).
     pub fn push(&self, max_force: f32, seconds: f32) -> Vec3 {
         if self.inverse_mass <= 0.0 {
@@ -150,8 +150,8 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
         Ok(())
     }
 
-    /// The normal of the plane along which the character slides. At ground that is too steep to stand on it does not climb: for its way such
-    /// ground is a wall, unless it comes down on it.
+    /// The normal of the plane along which the character slides. At ground that is too steep to stand on it does not climb: for its way
+    /// such ground is a wall, unless it comes down on it.
     fn plane(&self, normal: Vec3) -> Vec3 {
         let up = normal.dot(*self.rules.up);
         match !self.rules.is_walkable(normal) && up > 0.0 {

@@ -8,8 +8,8 @@
 //! | checksum of the values | 8 |
 //! | version of the crate, entities, runs, columns, valid slips and resources as a [stream], compressed (LZ4) | |
 //!
-//! Ids of entities mean nothing elsewhere, so a snapshot from bytes is restored as one of another world. Revisions are new ones. [Slips](slips) that were valid
-//! are so again. Trees are built anew from their boxes: no result depends on their shape.
+//! Ids of entities mean nothing elsewhere, so a snapshot from bytes is restored as one of another world. Revisions are new ones.
+//! [Slips](slips) that were valid are so again. Trees are built anew from their boxes: no result depends on their shape.
 
 mod checksum;
 mod earlier;
@@ -87,14 +87,14 @@ impl Snapshot {
     /// Reads a snapshot from bytes.
     ///
     /// # Errors
-    /// If the bytes are not a snapshot, are of another version, or are damaged. The checksum finds damage; it does not protect from bytes that were made
-    /// on purpose, so read only those that you trust.
+    /// If the bytes are not a snapshot, are of another version, or are damaged. The checksum finds damage; it does not protect from bytes
+    /// that were made on purpose, so read only those that you trust.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
         Self::from_bytes_after(bytes, &Self::default())
     }
 
-    /// Reads a snapshot from the bytes that [`to_bytes_after`](Self::to_bytes_after) returned. `earlier` is the same earlier snapshot, or one that was
-    /// read from its bytes.
+    /// Reads a snapshot from the bytes that [`to_bytes_after`](Self::to_bytes_after) returned. `earlier` is the same earlier snapshot, or
+    /// one that was read from its bytes.
     ///
     /// # Errors
     /// Like [`from_bytes`](Self::from_bytes), or if `earlier` is another snapshot.

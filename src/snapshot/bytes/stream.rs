@@ -1,7 +1,8 @@
 //! The values of a snapshot as a stream of bytes, each as its difference from a value of an earlier snapshot.
 //!
-//! A value is written as a number n and the bytes that follow. If it is equal to the earlier one, n is 0. Otherwise n − 1 bytes follow: the value in
-//! postcard's format, combined with the earlier one by exclusive or. So numbers that change little are mostly zeros, which compression removes.
+//! A value is written as a number n and the bytes that follow. If it is equal to the earlier one, n is 0. Otherwise n − 1 bytes follow: the
+//! value in postcard's format, combined with the earlier one by exclusive or. So numbers that change little are mostly zeros, which
+//! compression removes.
 
 use super::super::error::SnapshotError;
 use super::checksum::Checksum;

@@ -37,8 +37,8 @@ impl Debug for Kind {
     }
 }
 
-/// The functions of a type. Those with pointers are called with aligned pointers to as many values of the type as they are told, which they may read, or
-/// also write if the pointer is `*mut`.
+/// The functions of a type. Those with pointers are called with aligned pointers to as many values of the type as they are told, which they
+/// may read, or also write if the pointer is `*mut`.
 pub(super) struct Functions {
     id: TypeId,
     name: fn() -> &'static str,

@@ -207,7 +207,8 @@ struct Found<'w> {
 
 impl<'w> Found<'w> {
     /// # Safety
-    /// `id` is that of the kind in the world. The cell gives read access to the whole world, and whoever reads or writes what is found has the same access.
+    /// `id` is that of the kind in the world. The cell gives read access to the whole world, and whoever reads or writes what is found has
+    /// the same access.
     unsafe fn find(
         world: UnsafeWorldCell<'w>,
         kind: Kind,

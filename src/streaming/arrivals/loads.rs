@@ -5,7 +5,8 @@ use crate::body::BodyTable;
 use crate::solve::{keep, settle};
 use crate::warm_start::{GatherContext, Island, PatchRows, SolveContext, SolverContact};
 
-/// Gives the contacts of all structures of a group the forces that keep these still. `local` is the index of each body in its structure, by slot.
+/// Gives the contacts of all structures of a group the forces that keep these still. `local` is the index of each body in its structure, by
+/// slot.
 pub(super) fn load(group: &mut Found, table: &BodyTable, local: &[u32], context: &SolveContext) {
     let Found {
         contacts, islands, ..

@@ -1,13 +1,13 @@
 //! Bodies that are spawned asleep by the thousand.
 //!
-//! Bodies that a user spawns asleep one by one are active in their first step: all stages process them and their pairs, and then both move to the
-//! tables of what is inactive. Those of [`spawn_asleep`] are inactive from the beginning, and the next step, in *prepare*, does all at
-//! once what its stages would do: boxes, pairs, contacts, structures and loads. The bodies are divided into *groups* whose boxes overlap, such as the walls of a
-//! town. Contacts and loads of a group are found one after the other while they are in the cache, and groups are shared among threads. The results have the
-//! same bits as those of bodies that are spawned asleep one by one.
+//! Bodies that a user spawns asleep one by one are active in their first step: all stages process them and their pairs, and then both move
+//! to the tables of what is inactive. Those of [`spawn_asleep`] are inactive from the beginning, and the next step, in *prepare*, does all
+//! at once what its stages would do: boxes, pairs, contacts, structures and loads. The bodies are divided into *groups* whose boxes
+//! overlap, such as the walls of a town. Contacts and loads of a group are found one after the other while they are in the cache, and
+//! groups are shared among threads. The results have the same bits as those of bodies that are spawned asleep one by one.
 //!
-//! Bodies that need more than that are left to the stages, with all that is near them ([`groups`]): those that are joined, composite, moving or
-//! disturbed, that have hooks, mortar or contact events, or that are near a dynamic body which was there before.
+//! Bodies that need more than that are left to the stages, with all that is near them ([`groups`]): those that are joined, composite,
+//! moving or disturbed, that have hooks, mortar or contact events, or that are near a dynamic body which was there before.
 
 mod contacts;
 mod groups;
@@ -51,9 +51,10 @@ impl MapEntities for Arrivals {
 /// Spawns many bodies asleep, with the loads that keep them still: a town of a million bricks in seconds. The bundles must not contain
 /// [`Sleeping`].
 ///
-/// The next step finds their contacts and loads, as it does for bodies that are spawned with [`Sleeping::asleep`] one by one, but in a fraction of the
-/// time and memory. No [`ContactStarted`](crate::contact::ContactStarted) is sent for contacts among them. The time is that of one step; spawn parts of a
-/// very large town in several steps to divide it. Bodies that are not at rest where they are put are not moved: they fall when they are woken.
+/// The next step finds their contacts and loads, as it does for bodies that are spawned with [`Sleeping::asleep`] one by one, but in a
+/// fraction of the time and memory. No [`ContactStarted`](crate::contact::ContactStarted) is sent for contacts among them. The time is that
+/// of one step; spawn parts of a very large town in several steps to divide it. Bodies that are not at rest where they are put are not
+/// moved: they fall when they are woken.
 ///
 /// # Panics
 /// If a bundle contains [`Sleeping`].
@@ -107,8 +108,8 @@ pub fn any_arrivals(arrivals: Res<Arrivals>) -> bool {
 /// Number of pairs whose contacts are found at a time by each thread. They pass through several lists, which stay in the caches.
 const PORTION: usize = 1 << 13;
 
-/// On several threads a portion has at least so many times [`PORTION`] pairs. A group is not divided among threads, so with few groups in a portion some threads would
-/// wait for others at its end.
+/// On several threads a portion has at least so many times [`PORTION`] pairs. A group is not divided among threads, so with few groups in a
+/// portion some threads would wait for others at its end.
 const SHARED: usize = 8;
 
 /// Takes up the bodies; a part of the stage *prepare*.
@@ -161,8 +162,8 @@ pub fn arrive(
     }
 }
 
-/// Marks static bodies that were spawned since the last step, so that they arrive together with what stands on them: a ground that arrives later
-/// would wake it. A half-space is left to the stages if there are dynamic bodies already, which it may touch.
+/// Marks static bodies that were spawned since the last step, so that they arrive together with what stands on them: a ground that arrives
+/// later would wake it. A half-space is left to the stages if there are dynamic bodies already, which it may touch.
 fn take_grounds(world: &mut World) -> Vec<Entity> {
     let mut new = world.query_filtered::<(Entity, &RigidBody, &BodyIndex, Option<&Collider>), (Simulated, Without<Inactive>)>();
     let table = world.resource::<BodyTable>();
@@ -228,8 +229,8 @@ fn leave(world: &mut World, broadphase: &mut Broadphase, slots: &[u32]) -> Vec<E
     left
 }
 
-/// Finds the contacts and loads of all groups, and spawns their pairs. Pairs are spawned on one thread; the others find those of the next portion at
-/// the same time.
+/// Finds the contacts and loads of all groups, and spawns their pairs. Pairs are spawned on one thread; the others find those of the next
+/// portion at the same time.
 fn connect(world: &mut World, graph: &mut ConstraintGraph, table: &mut BodyTable, groups: &Groups) {
     let count = groups.pairs.len();
     graph.reserve(count, table.slots());
@@ -247,7 +248,8 @@ fn connect(world: &mut World, graph: &mut ConstraintGraph, table: &mut BodyTable
         local: vec![u32::MAX; table.slots()],
         portion,
     };
-    // The first batch reserves the rows of all: a batch allocates an entity for each row that it reserves, and frees those that it does not use.
+    // The first batch reserves the rows of all: a batch allocates an entity for each row that it reserves, and frees those that it does not
+    // use.
     let mut to_reserve = Some(count);
     let mut warnings = Vec::new();
     let mut portions = groups.portions(portion).into_iter();
@@ -300,8 +302,8 @@ impl Finder<'_> {
     }
 }
 
-/// Spawns the pairs of some groups, and adds their structures. Rows are reserved for `to_reserve` pairs, if that is more. Returns what is to be
-/// reported of their bodies.
+/// Spawns the pairs of some groups, and adds their structures. Rows are reserved for `to_reserve` pairs, if that is more. Returns what is
+/// to be reported of their bodies.
 fn spawn(
     world: &mut World,
     graph: &mut ConstraintGraph,

@@ -1,5 +1,5 @@
-//! The correct contact by brute force in double precision, computed only from corners: the normal of a face follows from its corners, every face and every
-//! pair of edges gives a candidate direction, and the extent of a body along it is that of all corners.
+//! The correct contact by brute force in double precision, computed only from corners: the normal of a face follows from its corners, every
+//! face and every pair of edges gives a candidate direction, and the extent of a body along it is that of all corners.
 //!
 //! Only the numbering is taken from the code under test: the corners of each face and edge.
 
@@ -149,8 +149,8 @@ impl Stood<'_> {
         })
     }
 
-    /// The faces with which it may touch another solid in a direction. It is the face around its farthest corner whose normal is nearest to the direction or,
-    /// if it stands on several corners, a face with all of them; and all faces that are equal up to rounding.
+    /// The faces with which it may touch another solid in a direction. It is the face around its farthest corner whose normal is nearest to
+    /// the direction or, if it stands on several corners, a face with all of them; and all faces that are equal up to rounding.
     pub fn facing(&self, way: DVec3) -> Vec<u16> {
         let most = self.reach(way);
         let stands_on = |face: u16, slack: f64| {

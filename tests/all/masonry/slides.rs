@@ -160,8 +160,8 @@ impl Slide {
         self.track(lab, slider, 1.5)
     }
 
-    /// Describes differences between a bed and a slab: of heights by more than 0.1 mm, of distances and speeds by more than 1 %, of angles by more than
-    /// 0.01 rad, and sideways motion of more than `most_aside` (m).
+    /// Describes differences between a bed and a slab: of heights by more than 0.1 mm, of distances and speeds by more than 1 %, of angles
+    /// by more than 0.01 rad, and sideways motion of more than `most_aside` (m).
     fn compare(&self, bed: Bed, most_aside: f32, of: impl Fn(Bed) -> Track) -> Option<String> {
         let [found, slab] = [bed, Bed::Slab].map(of);
         let pairs = || found.iter().zip(&slab);

@@ -1,5 +1,5 @@
-//! The tilt at which structures on a slope fall, at short and long steps. They are built there, with all their weight at once, or built upright and tipped
-//! so slowly that speed does not matter.
+//! The tilt at which structures on a slope fall, at short and long steps. They are built there, with all their weight at once, or built
+//! upright and tipped so slowly that speed does not matter.
 //!
 //! All have friction enough to tip rather than slide. `cargo run --release --example limits -- tilts` writes where each of them falls.
 

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// The number of the brick of the lowest course with whose removal a tenth of the wall falls. The bricks are taken one after the other, from the
-/// middle outwards. All bricks are off by up to 10 µm, which `seed` chooses; with 0 by nothing.
+/// The number of the brick of the lowest course with whose removal a tenth of the wall falls. The bricks are taken one after the other,
+/// from the middle outwards. All bricks are off by up to 10 µm, which `seed` chooses; with 0 by nothing.
 fn foot(scene: &str, columns: usize, mode: Mode, seed: u64) -> usize {
     let options = SceneOptions {
         seed,
@@ -34,8 +34,8 @@ fn foot(scene: &str, columns: usize, mode: Mode, seed: u64) -> usize {
     usize::MAX
 }
 
-/// Rounding decides how long a wall of 20 × 20 stands, awake as by need: until the 11th to 17th brick at six places, 10 µm from each other. So the means are
-/// compared: 13.3 awake and 13.0 by need.
+/// Rounding decides how long a wall of 20 × 20 stands, awake as by need: until the 11th to 17th brick at six places, 10 µm from each other.
+/// So the means are compared: 13.3 awake and 13.0 by need.
 #[test]
 fn a_wall_whose_foot_is_taken_falls_at_the_same_brick() {
     const PLACES: u64 = 6;
@@ -103,7 +103,8 @@ fn a_growing_force_pushes_a_brick_out_where_it_does_awake() {
     }
 }
 
-/// Dry friction does not depend on how fast a force grows. By the weights above and below the brick its limit is 11.0 kN (`docs/findings.md`, *Anchors*).
+/// Dry friction does not depend on how fast a force grows. By the weights above and below the brick its limit is 11.0 kN
+/// (`docs/findings.md`, *Anchors*).
 #[test]
 fn a_force_that_grows_slowly_pushes_a_brick_out_where_a_fast_one_does() {
     let [fast, slow] = [500.0, 20.0].map(|rate| pushed(rate, Mode::Awake));

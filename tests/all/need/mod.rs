@@ -1,5 +1,5 @@
-//! Waking by need: what is touched on a sleeping structure wakes what must move, and nothing else. The structure stands, falls and answers as it
-//! does awake.
+//! Waking by need: what is touched on a sleeping structure wakes what must move, and nothing else. The structure stands, falls and answers
+//! as it does awake.
 
 mod limits;
 mod plays;

@@ -101,8 +101,8 @@ const ALL: [&str; 6] = [
     "cardhouse:3",
 ];
 
-/// Plays with these seeds, and counts the plays in which other bricks fall than awake, those in which a brick ends more than a millimetre elsewhere
-/// though none falls, and those in which a brick that stands moves by more than a millimetre when all are woken.
+/// Plays with these seeds, and counts the plays in which other bricks fall than awake, those in which a brick ends more than a millimetre
+/// elsewhere though none falls, and those in which a brick that stands moves by more than a millimetre when all are woken.
 fn compare(scenes: &[&str], seeds: std::ops::Range<u64>, mode: Mode) -> [usize; 3] {
     let mut missed = [0; 3];
     for seed in seeds {

@@ -321,8 +321,8 @@ fn a_body_is_pushed_after_a_bond_has_broken() {
     replays("a broken bond", &recorded);
 }
 
-/// All components of a body that has lost one are recorded, also the shape that was assembled from its parts. A replay must keep its own equal shape: the
-/// contacts of a body with another shape are found anew.
+/// All components of a body that has lost one are recorded, also the shape that was assembled from its parts. A replay must keep its own
+/// equal shape: the contacts of a body with another shape are found anew.
 #[test]
 fn a_component_of_a_body_of_parts_is_removed_while_it_rolls() {
     let (world, bodies, ..) = bodies_of_parts();

@@ -1,8 +1,8 @@
 //! Bytes of snapshots that were damaged at random. Reading them never panics, and the world that they are for is not touched.
 //!
-//! The checksum finds all damage, and so hides the code behind it. So the values are also damaged with a checksum that is right again, as somebody
-//! does who means harm. A second checksum, of the values, is compared only after all of them were read. So all code that reads is reached, but no
-//! damaged snapshot is restored.
+//! The checksum finds all damage, and so hides the code behind it. So the values are also damaged with a checksum that is right again, as
+//! somebody does who means harm. A second checksum, of the values, is compared only after all of them were read. So all code that reads is
+//! reached, but no damaged snapshot is restored.
 
 use super::*;
 use drystone::snapshot::SnapshotError;

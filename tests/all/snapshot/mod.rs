@@ -69,8 +69,8 @@ pub(crate) fn brick(world: &mut World, x: f32, y: f32) -> Entity {
     body(world, Collider::cuboid(1.0, 0.5, 0.5), x, y, ())
 }
 
-/// Three bodies of two colliders and a sensor each, and a zone in which all of them lie: the world, the bodies, their second colliders, and the
-/// zone.
+/// Three bodies of two colliders and a sensor each, and a zone in which all of them lie: the world, the bodies, their second colliders, and
+/// the zone.
 pub(crate) fn bodies_of_parts() -> (World, Vec<Entity>, Vec<Entity>, Entity) {
     let mut world = floor();
     let cube = || Collider::cuboid(0.5, 0.5, 0.5);

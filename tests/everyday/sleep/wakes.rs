@@ -13,7 +13,8 @@ struct Site {
 
 type Change = fn(&mut World, &Site) -> Entity;
 
-/// A change that wakes a sleeper: its name, what is done before the bodies fall asleep, and the change, which returns a body that must wake.
+/// A change that wakes a sleeper: its name, what is done before the bodies fall asleep, and the change, which returns a body that must
+/// wake.
 struct Wakes(&'static str, fn(&mut World, &Site), Change);
 
 fn nothing(_: &mut World, _: &Site) {}

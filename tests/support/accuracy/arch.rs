@@ -18,8 +18,8 @@ pub const ARCH_FRICTIONS: [f32; 2] = [0.5, 0.3092];
 /// The least thickness of an arch of infinitely many voussoirs at these frictions, as a share of the mean radius.
 pub const ARCH_LIMITS: [f32; 2] = [0.1074, 0.2006];
 
-/// The least thickness of an arch of `n` voussoirs as a share of its mean radius, by limit analysis: within 6 % below that of infinitely many or, of
-/// few voussoirs, less. `None` if none there stands: at the least friction a thicker arch slides.
+/// The least thickness of an arch of `n` voussoirs as a share of its mean radius, by limit analysis: within 6 % below that of infinitely
+/// many or, of few voussoirs, less. `None` if none there stands: at the least friction a thicker arch slides.
 pub fn arch_by_statics(n: usize, friction: f32, limit: f32) -> Option<f32> {
     let of = |share: f64| drawings::arch(n, share, friction.into());
     let stands = |share: &f64| statics::stands(&of(*share));
@@ -66,8 +66,8 @@ fn stands(settings: Settings, dt: f32, n: usize, share: f32, friction: f32) -> b
     true
 }
 
-/// The least thickness of an arch as a share of its mean radius in the simulation, to 0.5 %, between 0.9 and 1.05 times the limit by statics. At the least
-/// friction a much thicker arch slides.
+/// The least thickness of an arch as a share of its mean radius in the simulation, to 0.5 %, between 0.9 and 1.05 times the limit by
+/// statics. At the least friction a much thicker arch slides.
 pub fn arch_simulated(
     settings: Settings,
     dt: f32,

@@ -14,8 +14,8 @@ const HEIGHT: f32 = 1.0;
 /// Half the size of the body, m.
 const HALF: f32 = 0.1;
 
-/// Row 17. A bounce happens a step early or late, which changes the speed by up to g Δt. Heights are squares, and errors add up: the n-th may be
-/// off by n %.
+/// Row 17. A bounce happens a step early or late, which changes the speed by up to g Δt. Heights are squares, and errors add up: the n-th
+/// may be off by n %.
 pub fn bounces(settings: Settings, dt: f32) -> Values {
     let mut values = Values::at(dt);
     let bodies = [

@@ -47,8 +47,8 @@ fn holds(mut lab: Lab, n: usize, length: f32) -> bool {
     true
 }
 
-/// The length at which a cantilever breaks by its own weight: L = √(σ h/(3 ρ g)), from σ W = ρ g b h L²/2 and W = b h²/6. A stress may be off by 1 %,
-/// a length by half of that.
+/// The length at which a cantilever breaks by its own weight: L = √(σ h/(3 ρ g)), from σ W = ρ g b h L²/2 and W = b h²/6. A stress may be
+/// off by 1 %, a length by half of that.
 pub fn cantilever_breaks(settings: Settings, dt: f32) -> Values {
     let mut values = Values::at(dt);
     let expected = (STRENGTH * HEIGHT / (3.0 * DENSITY * G)).sqrt();

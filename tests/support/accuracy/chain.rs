@@ -75,8 +75,8 @@ fn hang(lab: &mut Lab, links: usize) -> (Vec<Entity>, Entity) {
     (bodies, first.expect("it has links"))
 }
 
-/// A chain of 8, 16 and 32 rods: the depth of its middle, and the pull at an end along the span over a second, against the catenary. A polygon of rods of length l
-/// differs from the curve by a share of the order of (l/L)²; the chain may be off by 0.5 % and that.
+/// A chain of 8, 16 and 32 rods: the depth of its middle, and the pull at an end along the span over a second, against the catenary. A
+/// polygon of rods of length l differs from the curve by a share of the order of (l/L)²; the chain may be off by 0.5 % and that.
 pub fn chain_hangs(settings: Settings, dt: f32) -> Values {
     let mut values = Values::at(dt);
     let a = parameter();

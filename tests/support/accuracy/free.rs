@@ -9,8 +9,8 @@ use drystone::collider::{Collider, Restitution};
 use drystone::settings::Gravity;
 use glam::Vec3;
 
-/// Row 19: a brick spun about its middle axis turns over and back for a minute. Errors are rounding of 3600 steps, a few units in the last place (1e-7)
-/// each; energy is a square.
+/// Row 19: a brick spun about its middle axis turns over and back for a minute. Errors are rounding of 3600 steps, a few units in the last
+/// place (1e-7) each; energy is a square.
 pub fn tumbles(settings: Settings, dt: f32) -> Values {
     let mut lab = settings(dt);
     lab.world.insert_resource(Gravity(Vec3::ZERO));

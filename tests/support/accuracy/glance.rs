@@ -18,12 +18,12 @@ pub struct Glance {
     pub most: f32,
 }
 
-/// Two balls of 1 kg without friction, one of which flies at 3 m/s, aside of the other by half of their distance when they touch; `phase`: in
-/// which part of a step they touch, 0 to 1.
+/// Two balls of 1 kg without friction, one of which flies at 3 m/s, aside of the other by half of their distance when they touch; `phase`:
+/// in which part of a step they touch, 0 to 1.
 ///
-/// The normal and the lever arms of a contact are fixed during a step. If an impulse J acts at a time t before or after that for which they hold, the balls
-/// move along each other by u t between the two. The impulse and its reaction then are two forces on parallel lines u t apart: a moment of J u t, between 0
-/// and J u Δt.
+/// The normal and the lever arms of a contact are fixed during a step. If an impulse J acts at a time t before or after that for which they
+/// hold, the balls move along each other by u t between the two. The impulse and its reaction then are two forces on parallel lines u t
+/// apart: a moment of J u t, between 0 and J u Δt.
 pub fn glance(settings: Settings, dt: f32, phase: f32) -> Glance {
     let mut lab = settings(dt);
     lab.world.insert_resource(Gravity(Vec3::ZERO));

@@ -52,8 +52,8 @@ impl Hit {
         lab.step();
         let (linear, angular, size) = momentum(&lab, &bodies);
         let before = energy(&lab, &bodies);
-        // Bodies that do not bounce stay in touch, and go on pushing each other while they turn: so it is measured as soon as they no longer approach
-        // each other.
+        // Bodies that do not bounce stay in touch, and go on pushing each other while they turn: so it is measured as soon as they no
+        // longer approach each other.
         for _ in 0..(0.5 / dt).ceil() as usize {
             lab.step();
             let [a, b] = bodies.map(|body| lab.velocity(body));
@@ -124,7 +124,8 @@ impl Graze {
     }
 }
 
-/// A ball that hits a wall at 45° slides all the while and takes up spin: Δv_t = μ (1 + e) v_n, ω = 5 Δv_t/(2 r). The worst of five phases of a step.
+/// A ball that hits a wall at 45° slides all the while and takes up spin: Δv_t = μ (1 + e) v_n, ω = 5 Δv_t/(2 r). The worst of five phases
+/// of a step.
 fn graze(settings: Settings, dt: f32, restitution: f32, values: &mut Values) {
     let (friction, speed, radius) = (0.1, 2.0, 0.3);
     let change = friction * (1.0 + restitution) * speed;

@@ -21,7 +21,8 @@ fn stack(lab: &mut Lab, n: usize) -> Vec<Entity> {
     cubes
 }
 
-/// A steel ball of 2.1 t at 15 m/s strikes the lowest of ten cubes: speeds of that and of the others together, m/s, a fifth of a second later.
+/// A steel ball of 2.1 t at 15 m/s strikes the lowest of ten cubes: speeds of that and of the others together, m/s, a fifth of a second
+/// later.
 fn foot_shot(mut lab: Lab) -> [f32; 2] {
     let cubes = stack(&mut lab, 10);
     lab.spawn((
@@ -39,8 +40,8 @@ fn foot_shot(mut lab: Lab) -> [f32; 2] {
     [speed(&cubes[0]), above / 9.0]
 }
 
-/// A cube falls from 1 m on three others, `aside` of their middle: after two seconds, how far the uppermost of the three has moved, m; and how far
-/// the one that fell has risen above its lowest place.
+/// A cube falls from 1 m on three others, `aside` of their middle: after two seconds, how far the uppermost of the three has moved, m; and
+/// how far the one that fell has risen above its lowest place.
 fn dropped(mut lab: Lab, aside: f32) -> [f32; 2] {
     let cubes = stack(&mut lab, 3);
     let top = lab.position(cubes[2]);

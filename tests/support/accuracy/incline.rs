@@ -130,8 +130,8 @@ pub fn stops(settings: Settings, dt: f32) -> Values {
     values
 }
 
-/// The slope in degrees at which a loose tower topples, and the one expected. A leaning tower takes off slowly: at 0.3° beyond the threshold it
-/// has turned by 0.1 rad within the 4 s.
+/// The slope in degrees at which a loose tower topples, and the one expected. A leaning tower takes off slowly: at 0.3° beyond the
+/// threshold it has turned by 0.1 rad within the 4 s.
 fn topple_angle(settings: Settings, dt: f32, cube: &Collider, n: u32) -> (Option<f32>, f32) {
     let stands = |degrees: f32| {
         let angle = degrees.to_radians();

@@ -7,8 +7,8 @@ use drystone::body::RigidBody;
 use drystone::collider::{Collider, Friction};
 use glam::{Quat, Vec3};
 
-/// Row 14: how much of its angular velocity a block keeps when it rocks from one edge over to the other. It starts on one edge, leaning by half of the
-/// angle at which it would fall, α. How far it leans after the impact tells its energy, which grows with cos(α − θ) − cos α.
+/// Row 14: how much of its angular velocity a block keeps when it rocks from one edge over to the other. It starts on one edge, leaning by
+/// half of the angle at which it would fall, α. How far it leans after the impact tells its energy, which grows with cos(α − θ) − cos α.
 pub fn rocks(settings: Settings, dt: f32) -> Values {
     let mut values = Values::at(dt);
     for (share, name) in [(0.25f32, "1 : 4"), (0.125, "1 : 8")] {

@@ -180,7 +180,8 @@ pub fn spin_slows(settings: Settings, dt: f32) -> Values {
     values
 }
 
-/// Row 13: a disk. Statics does not say how its feet share its weight, so it is also compared with the pressure that the solver found: μ g r/(½ R²).
+/// Row 13: a disk. Statics does not say how its feet share its weight, so it is also compared with the pressure that the solver found: μ g
+/// r/(½ R²).
 pub fn disk_spin_slows(settings: Settings, dt: f32) -> Values {
     let mut values = Values::at(dt);
     let a = FRICTION * G;

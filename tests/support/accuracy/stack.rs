@@ -9,8 +9,8 @@ use glam::{Quat, Vec3};
 /// Number of cubes.
 const CUBES: usize = 5;
 
-/// What the interfaces of a stack of cubes carry on a slope of this angle (rad), from the lowest up, averaged over a second as shares of the weight
-/// above them: normal, and tangential vector less the one expected.
+/// What the interfaces of a stack of cubes carry on a slope of this angle (rad), from the lowest up, averaged over a second as shares of
+/// the weight above them: normal, and tangential vector less the one expected.
 fn carried(settings: Settings, dt: f32, angle: f32) -> Vec<(f32, Vec3)> {
     let mut lab = settings(dt);
     let mut bodies = vec![lab.slope(angle, 0.5)];

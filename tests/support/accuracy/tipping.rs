@@ -15,8 +15,8 @@ const MU: f32 = 0.5;
 
 /// Row 7: the height of a push above which a body tips rather than slides.
 ///
-/// The push is more than sliding takes, so the body speeds up, and its inertia acts at its centre of mass. That lies at the height of the formula,
-/// where it has no moment, so the formula holds for a push of any size. 5 mm above it, a body has turned by 0.1 rad after 2 s.
+/// The push is more than sliding takes, so the body speeds up, and its inertia acts at its centre of mass. That lies at the height of the
+/// formula, where it has no moment, so the formula holds for a push of any size. 5 mm above it, a body has turned by 0.1 rad after 2 s.
 pub fn tips(settings: Settings, dt: f32) -> Values {
     let expected = WIDTH / (2.0 * MU);
     let size = Vec3::new(WIDTH, 2.0 * expected, WIDTH);

@@ -213,8 +213,8 @@ impl Site {
         })
     }
 
-    /// Describes faults of the joints. Each must have one patch of four points. As built, it must also have the joint's normal, and a point within 1 mm of each
-    /// corner.
+    /// Describes faults of the joints. Each must have one patch of four points. As built, it must also have the joint's normal, and a point
+    /// within 1 mm of each corner.
     pub fn flaws(&mut self, as_built: bool) -> Vec<String> {
         let mut flaws = Vec::new();
         for joint in self.masonry.joints() {

@@ -11,7 +11,8 @@ use glam::DVec3;
 /// The steepest limit of all is a slope of 1 in 3.
 const FRICTION: f64 = 0.9;
 
-/// A block has fallen if it is farther than this from its initial position, m. It is a fifth of a brick's depth, and more than any settlement here.
+/// A block has fallen if it is farther than this from its initial position, m. It is a fifth of a brick's depth, and more than any
+/// settlement here.
 const FALLEN: f64 = 0.1;
 
 /// Shares of the limit a second, far from it and near it.

@@ -110,8 +110,8 @@ fn most(masonry: &Masonry, always: &Loads, more: &Loads) -> Option<f64> {
 
 /// Whether it can stand under its weight.
 ///
-/// If only the sign of a limit is needed, a program may have no solution, which would have to be proved. This program always has one: the least tension
-/// that mortar in the joints would have to bear, which is zero if the structure stands.
+/// If only the sign of a limit is needed, a program may have no solution, which would have to be proved. This program always has one: the
+/// least tension that mortar in the joints would have to bear, which is zero if the structure stands.
 pub fn stands(masonry: &Masonry) -> bool {
     let nothing = vec![DVec2::ZERO; masonry.blocks.len()];
     let program = Program::new(masonry, &weights(masonry, DVec2::NEG_Y), &nothing, true);

@@ -12,8 +12,8 @@ use drystone::settings::{Gravity, NarrowphaseSettings};
 use glam::{DQuat, Vec3};
 
 impl Site {
-    /// Replaces the contacts that are found in a first step of length zero without weight, and keeps them: manifolds are detected anew only after a body has
-    /// moved far, and here no distance counts as far.
+    /// Replaces the contacts that are found in a first step of length zero without weight, and keeps them: manifolds are detected anew only
+    /// after a body has moved far, and here no distance counts as far.
     pub fn hold_true_contacts(&mut self) {
         let lab = &mut self.lab;
         let (gravity, dt) = (lab.world.resource::<Gravity>().0, lab.dt);

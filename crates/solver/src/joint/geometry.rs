@@ -54,8 +54,8 @@ struct Turn {
 }
 
 impl Turn {
-    /// The shorter way of a rotation; or the longer one, if it is nearer to `last` and not longer than [`LONGEST`]. So a rotation that passes
-    /// a half turn goes on, and does not come back from the other side.
+    /// The shorter way of a rotation; or the longer one, if it is nearer to `last` and not longer than [`LONGEST`]. So a rotation that
+    /// passes a half turn goes on, and does not come back from the other side.
     fn of(rotation: Quat, is_kept: bool, last: Option<Vec3>) -> Self {
         let sine = rotation.xyz();
         let length = sine.length();
@@ -249,7 +249,8 @@ impl Geometry {
         self.hinge.map(|(hinge, _)| hinge)
     }
 
-    /// The angles that the joint has next as its last ones, rad: the one that counts turns, or else the rotation vector, if its length counts.
+    /// The angles that the joint has next as its last ones, rad: the one that counts turns, or else the rotation vector, if its length
+    /// counts.
     #[inline]
     pub fn angles(&self) -> Option<Vec3> {
         match self.hinge {
@@ -378,8 +379,8 @@ impl Geometry {
         }
     }
 
-    /// The rate of a coordinate with this direction is that of B's centre less that of A's along the first vector, and of the rotations of B
-    /// and A along the others.
+    /// The rate of a coordinate with this direction is that of B's centre less that of A's along the first vector, and of the rotations of
+    /// B and A along the others.
     #[inline]
     pub fn jacobian(&self, coordinate: usize, direction: Vec3) -> (Vec3, [Vec3; 2]) {
         match coordinate {

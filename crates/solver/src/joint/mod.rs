@@ -1,8 +1,8 @@
 //! Joints in the form that solvers use.
 //!
-//! A joint holds the frame of B relative to the frame of A: along and about each of the three axes of A's frame it is free, locked, limited,
-//! driven by a motor, held by a spring or slowed by friction. A fixed joint locks all six axes; a hinge frees one rotation; a rope limits the
-//! distance of the anchors and frees everything else.
+//! A joint holds the frame of B relative to the frame of A: along and about each of the three axes of A's frame it is free, locked,
+//! limited, driven by a motor, held by a spring or slowed by friction. A fixed joint locks all six axes; a hinge frees one rotation; a rope
+//! limits the distance of the anchors and frees everything else.
 
 mod geometry;
 mod motor;
@@ -35,9 +35,9 @@ pub struct JointConstraint {
     pub frames: [Quat; 2],
     /// Translation of B's anchor along x, y and z of A's frame, m; then rotation of B's frame relative to A's about x, y and z, rad.
     ///
-    /// If one rotation is not locked, it is the angle about that axis with all its turns, and the others are the tilt of the axis. So it is for
-    /// the rotation about x if there is a `swing`, and otherwise for the only rotation with a limit or a target beyond a quarter turn. If there is
-    /// none, or several, the rotations are the components of the rotation vector, up to three quarters of a turn.
+    /// If one rotation is not locked, it is the angle about that axis with all its turns, and the others are the tilt of the axis. So it is
+    /// for the rotation about x if there is a `swing`, and otherwise for the only rotation with a limit or a target beyond a quarter turn.
+    /// If there is none, or several, the rotations are the components of the rotation vector, up to three quarters of a turn.
     pub axes: [JointAxis; 6],
     /// The distance of the anchors, m: for ropes and springs. It is never locked at zero; lock the translations for that.
     pub distance: Option<JointAxis>,
@@ -58,11 +58,11 @@ pub struct JointConstraint {
     pub filter: f32,
     /// The joint is a bonded patch that breaks by the stresses in this section.
     pub section: Option<Section>,
-    /// Errors of position up to these are rounding of poses, m and rad. Rows are so stiff that rounding would keep a joint from coming to rest,
-    /// and would put bonds that hold each other under more stress than mortar bears.
+    /// Errors of position up to these are rounding of poses, m and rad. Rows are so stiff that rounding would keep a joint from coming to
+    /// rest, and would put bonds that hold each other under more stress than mortar bears.
     pub slack: [f32; 2],
-    /// In: the rotations at the end of the last step, rad; `None` if there was none. Turns are counted from them. Out: those at the end of this
-    /// step: the one that counts turns alone, if there is one; `None` if no limit, motor or spring depends on any.
+    /// In: the rotations at the end of the last step, rad; `None` if there was none. Turns are counted from them. Out: those at the end of
+    /// this step: the one that counts turns alone, if there is one; `None` if no limit, motor or spring depends on any.
     pub angles: Option<Vec3>,
     /// Out: the section has broken in this step, by this stress.
     pub broke: Option<Utilization>,
@@ -187,8 +187,8 @@ impl JointConstraint {
         a != b && (moves(a) || moves(b))
     }
 
-    /// Turns the angle that counts turns by the motion of the bodies over `h` s, for solvers that move bodies by their velocities. Between two
-    /// looks at its bodies, a joint may turn by more than a half turn.
+    /// Turns the angle that counts turns by the motion of the bodies over `h` s, for solvers that move bodies by their velocities. Between
+    /// two looks at its bodies, a joint may turn by more than a half turn.
     pub fn turn_on(&mut self, bodies: &[Body], h: f32) {
         if self.acts(bodies) {
             let [a, b] = self.bodies.both(|body| bodies[body as usize].angular);

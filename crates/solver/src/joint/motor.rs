@@ -22,7 +22,8 @@ impl JointMotor {
         }
     }
 
-    /// A motor that goes to a position (m or rad) as a spring with a damper does: stiffness in N/m or N·m/rad, damping in N·s/m or N·m·s/rad.
+    /// A motor that goes to a position (m or rad) as a spring with a damper does: stiffness in N/m or N·m/rad, damping in N·s/m or
+    /// N·m·s/rad.
     pub fn position(target_position: f32, stiffness: f32, damping: f32) -> Self {
         Self {
             target_position,

@@ -9,8 +9,8 @@ use crate::lanes::State;
 use glam::{Mat3, Vec3, Vec4};
 use std::cell::Cell;
 
-/// The share of an error of position that is corrected in the longest of recent steps. A short one corrects less: it would give the error of a long one a
-/// speed that the next long one follows.
+/// The share of an error of position that is corrected in the longest of recent steps. A short one corrects less: it would give the error
+/// of a long one a speed that the next long one follows.
 const SHARE: f32 = 0.2;
 
 /// Fastest correction, m/s and rad/s.

@@ -7,8 +7,8 @@
 use bevy_reflect::Reflect;
 use glam::{Vec2, Vec3};
 
-/// A bonded patch, in the frame of its joint on A: x is the normal, from A to B; y and z are the principal axes of its area; the origin is its
-/// centroid.
+/// A bonded patch, in the frame of its joint on A: x is the normal, from A to B; y and z are the principal axes of its area; the origin is
+/// its centroid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Section {
@@ -87,8 +87,8 @@ impl Section {
         }
     }
 
-    /// The stiffness of a bond of even stiffness per area against a coordinate of its joint, per that stiffness: the area for translations, m²,
-    /// and the moments of the area for rotations, m⁴.
+    /// The stiffness of a bond of even stiffness per area against a coordinate of its joint, per that stiffness: the area for translations,
+    /// m², and the moments of the area for rotations, m⁴.
     pub fn stiffness(&self, coordinate: usize) -> f32 {
         match coordinate {
             3 => self.inertia.element_sum(),

@@ -1,8 +1,8 @@
 //! Lanes: a number type that holds one number of each of several contacts, and vectors of such numbers.
 //!
 //! The mathematics of blocks is written once, over [`F32xN`]. Each width is one register type that implements it: [`F32x4`] on glam's
-//! `Vec4` (SSE2, NEON or WebAssembly vectors, and plain numbers elsewhere), [`F32x8`] and [`F32x8AsFour`] on an AVX register. Arrays of eight plain numbers are
-//! no alternative: the compiler spills them, and gathers them piecewise.
+//! `Vec4` (SSE2, NEON or WebAssembly vectors, and plain numbers elsewhere), [`F32x8`] and [`F32x8AsFour`] on an AVX register. Arrays of
+//! eight plain numbers are no alternative: the compiler spills them, and gathers them piecewise.
 
 #[cfg(target_arch = "x86_64")]
 mod eight;
@@ -111,8 +111,8 @@ pub trait Kernel {
     fn run(self) -> Self::Output;
 }
 
-/// Work on plain numbers that is compiled twice: for AVX2 and FMA, and for every processor. Its `run` and all functions that it calls must be
-/// `#[inline(always)]`.
+/// Work on plain numbers that is compiled twice: for AVX2 and FMA, and for every processor. Its `run` and all functions that it calls must
+/// be `#[inline(always)]`.
 pub trait PlainKernel {
     type Output;
 

@@ -34,8 +34,8 @@ impl Memory {
         self.kept = None;
     }
 
-    /// The revision of the contact of each patch. If it is that of the last step, the patch equals that of the last step, except for its slip,
-    /// distances and impulses. Empty for a problem that is solved only once.
+    /// The revision of the contact of each patch. If it is that of the last step, the patch equals that of the last step, except for its
+    /// slip, distances and impulses. Empty for a problem that is solved only once.
     pub fn patches(&self) -> &[Revision] {
         &self.patches
     }

@@ -63,8 +63,8 @@ pub struct PatchProblem<'a> {
     pub grabs: &'a mut [GrabConstraint],
     /// Joints between some of the bodies.
     pub joints: &'a mut [JointConstraint],
-    /// Tangential velocities that friction demands of A against B, m/s, world axes, by the index of the patch, in ascending order. Patches that
-    /// are not in the list demand zero.
+    /// Tangential velocities that friction demands of A against B, m/s, world axes, by the index of the patch, in ascending order. Patches
+    /// that are not in the list demand zero.
     pub surfaces: &'a [(u32, Vec3)],
     /// Length of the step, s.
     pub dt: f32,

@@ -1,7 +1,7 @@
 //! The rows of one contact point (a normal and two tangents), their effective masses, and the steps that relax them.
 //!
-//! The method is matrix-free. W = J M⁻¹ Jᵀ is never computed, only its 3 × 3 block for each point. The velocities of the bodies always equal
-//! M⁻¹ Jᵀ λ plus the free motion.
+//! The method is matrix-free. W = J M⁻¹ Jᵀ is never computed, only its 3 × 3 block for each point. The velocities of the bodies always
+//! equal M⁻¹ Jᵀ λ plus the free motion.
 
 use super::FrictionCone;
 use crate::Body;
@@ -197,7 +197,8 @@ impl PointConstraint {
         self.push(bodies, self.world(change));
     }
 
-    /// Does a projected Gauss–Seidel step of the normal row. Returns Wₙₙ Δλ², J. This is an energy, so values of heavy and light contacts can be added.
+    /// Does a projected Gauss–Seidel step of the normal row. Returns Wₙₙ Δλ², J. This is an energy, so values of heavy and light contacts
+    /// can be added.
     #[inline]
     pub fn relax_normal(&mut self, bodies: &mut [Body]) -> f32 {
         let residual = self.normal.dot(self.relative(bodies)) - self.target.x;
@@ -236,8 +237,8 @@ impl PointConstraint {
 
     /// Does the exact 2 × 2 step if the result is inside the disc, and otherwise an isotropic step that is projected.
     ///
-    /// Projecting the exact step radially would rotate it away from the direction of slip, and a sliding body would lose part of its friction (a box on a
-    /// slope of 28° slid 9.86 m instead of 3.50 m).
+    /// Projecting the exact step radially would rotate it away from the direction of slip, and a sliding body would lose part of its
+    /// friction (a box on a slope of 28° slid 9.86 m instead of 3.50 m).
     fn step_in_disc(&self, before: Vec2, residual: Vec2, limit: f32) -> Vec2 {
         let Vec3 {
             x: xx,

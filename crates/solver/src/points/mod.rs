@@ -1,13 +1,14 @@
-//! Point solvers: every contact point has one normal impulse and two friction impulses, as in the paper (Silcowitz-Hansen, Niebe, Erleben 2010).
+//! Point solvers: every contact point has one normal impulse and two friction impulses, as in the paper (Silcowitz-Hansen, Niebe, Erleben
+//! 2010).
 //!
-//! A [`PointProblem`] is one island. It consists of bodies, whose velocities include the forces of this step, and of contact points. Each point has a
-//! lower bound on its normal velocity and a target for its tangential velocity. A [`PointSolver`] finds impulses λ so that
+//! A [`PointProblem`] is one island. It consists of bodies, whose velocities include the forces of this step, and of contact points. Each
+//! point has a lower bound on its normal velocity and a target for its tangential velocity. A [`PointSolver`] finds impulses λ so that
 //!
 //! - w_n ≥ b_n, λ_n ≥ 0, λ_n (w_n − b_n) = 0 for each normal, and
 //! - λ_t is the vector inside the friction cone ‖λ_t‖ ≤ μ λ_n that brings w_t nearest to b_t,
 //!
-//! and adds their effect to the velocities. Bodies then move with these velocities. [`Pgs`] and [`Nncg`] are the two solvers of the paper. Users may
-//! add others:
+//! and adds their effect to the velocities. Bodies then move with these velocities. [`Pgs`] and [`Nncg`] are the two solvers of the paper.
+//! Users may add others:
 //!
 //! ```
 //! use drystone_solver::{Body, Direction, FrictionCone, Grouping, PointConstraint, PointInput, PointProblem, PointSolver, SolveReport};
@@ -170,8 +171,8 @@ trait Method {
     }
 }
 
-/// Mean number of pairs in a block of eight lanes from which on eight lanes are faster than four. In a wall of 10 × 10 bricks it is 4.5, and eight
-/// lanes take a fifth less time. In a wall of 5 × 5 it is 2.4, and eight lanes would take a tenth more.
+/// Mean number of pairs in a block of eight lanes from which on eight lanes are faster than four. In a wall of 10 × 10 bricks it is 4.5,
+/// and eight lanes take a fifth less time. In a wall of 5 × 5 it is 2.4, and eight lanes would take a tenth more.
 #[cfg(target_arch = "x86_64")]
 const ENOUGH: usize = 3;
 
@@ -363,8 +364,8 @@ pub enum Direction {
 impl Direction {
     /// The direction of sweep `k` of `n`, counted from 0. Directions alternate, and the last sweep goes forwards.
     ///
-    /// With one direction only, the first points of each manifold keep more than their share of the load. Stacks then rock, and the search directions of
-    /// conjugate gradients become useless.
+    /// With one direction only, the first points of each manifold keep more than their share of the load. Stacks then rock, and the search
+    /// directions of conjugate gradients become useless.
     pub fn of_sweep(k: usize, n: usize) -> Self {
         if (n - k) % 2 == 1 {
             Self::Forwards
@@ -384,8 +385,8 @@ impl Direction {
 /// The order in which the normal and friction impulses of a pair are relaxed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grouping {
-    /// All normal impulses of the pair, then all friction impulses. This is better for few plain sweeps. Friction is bounded by the normal impulses, and
-    /// the first points would otherwise be bounded by loads that they are about to pass on.
+    /// All normal impulses of the pair, then all friction impulses. This is better for few plain sweeps. Friction is bounded by the normal
+    /// impulses, and the first points would otherwise be bounded by loads that they are about to pass on.
     Pair,
     /// The normal impulse of each point, then its friction impulse. This is smoother, and better for conjugate gradients.
     Point,

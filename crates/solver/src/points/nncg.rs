@@ -1,13 +1,13 @@
 //! The nonsmooth nonlinear conjugate gradient solver (Silcowitz-Hansen, Niebe, Erleben 2010, "A nonsmooth nonlinear conjugate gradient
 //! method for interactive contact force problems").
 //!
-//! A Gauss–Seidel sweep is a fixed-point iteration. Its change r = Δλ is treated as the negative gradient of a merit function ½‖r‖². The method of
-//! Fletcher and Reeves builds search directions from these changes: p ← β p + r with β = ‖r_k‖²/‖r_{k−1}‖². The sweep itself takes the step r, and β p
-//! is added afterwards. If β exceeds 1 the direction has become useless, and the method restarts.
+//! A Gauss–Seidel sweep is a fixed-point iteration. Its change r = Δλ is treated as the negative gradient of a merit function ½‖r‖². The
+//! method of Fletcher and Reeves builds search directions from these changes: p ← β p + r with β = ‖r_k‖²/‖r_{k−1}‖². The sweep itself
+//! takes the step r, and β p is added afterwards. If β exceeds 1 the direction has become useless, and the method restarts.
 //!
-//! Three things differ from the paper. First, the direction of sweeps through the points of a pair alternates. The method needs a symmetric operator,
-//! which a plain sweep is not, and would restart at once. Second, the norm is weighted with the diagonal of W, because contacts have very different
-//! masses. Third, the last sweep is a plain one, because β p may make λ negative or move it out of the friction cone.
+//! Three things differ from the paper. First, the direction of sweeps through the points of a pair alternates. The method needs a symmetric
+//! operator, which a plain sweep is not, and would restart at once. Second, the norm is weighted with the diagonal of W, because contacts
+//! have very different masses. Third, the last sweep is a plain one, because β p may make λ negative or move it out of the friction cone.
 
 use super::blocks::{Cone, Conjugate};
 use super::{Direction, FrictionCone, Method, PointProblem, PointSolver};

@@ -20,8 +20,8 @@ pub struct Pgs {
     pub iterations: usize,
     /// The shape of the friction cone.
     pub cone: FrictionCone,
-    /// Share of the last step's impulses that a solve starts from, 0..1. Default: 0, as in the paper. Warm starts are unstable if solves do not converge,
-    /// because the same velocities contain the correction of positions.
+    /// Share of the last step's impulses that a solve starts from, 0..1. Default: 0, as in the paper. Warm starts are unstable if solves do
+    /// not converge, because the same velocities contain the correction of positions.
     pub warm_start: f32,
     /// Residual (see [`merit`](super::merit)) below which a solve ends early. The default 0 means never.
     pub tolerance: f32,

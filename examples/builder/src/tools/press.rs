@@ -1,4 +1,5 @@
-//! Pressing on a face, and tipping (the paper's Figure 1): a [`Grab`] that pulls one point into the body, with a force that grows for a second.
+//! Pressing on a face, and tipping (the paper's Figure 1): a [`Grab`] that pulls one point into the body, with a force that grows for a
+//! second.
 
 use super::{Strength, Tool};
 use crate::camera::{Eye, Pointer};

@@ -183,8 +183,8 @@ impl Point {
         self.force
     }
 
-    /// Half the energy that a contact would take out of a motion to stop it if it were alone, J, if its bodies move by `shift` and `turn` at
-    /// the patch's centre.
+    /// Half the energy that a contact would take out of a motion to stop it if it were alone, J, if its bodies move by `shift` and `turn`
+    /// at the patch's centre.
     fn missing(&self, shift: Vec3, turn: Vec3) -> f32 {
         self.row.unit * self.error(shift, turn).min(0.0).powi(2)
     }

@@ -3,10 +3,11 @@
 //!
 //! A step of implicit Euler minimizes ½ (x − y)ᵀ M (x − y)/h² plus the energy of all constraints, where y is the inertial position. *Vertex
 //! block descent* visits one body after the other, and takes a Newton step of its six coordinates while the others stand still ([`block`]).
-//! The energy of a hard constraint is an augmented Lagrangian, ½ k C² + λ C ([`contact`]). After each sweep over all bodies λ takes over the
-//! force k C, and k grows by β |C|, so that constraints become hard within a few steps and soft ones do not stall the others.
+//! The energy of a hard constraint is an augmented Lagrangian, ½ k C² + λ C ([`contact`]). After each sweep over all bodies λ takes over
+//! the force k C, and k grows by β |C|, so that constraints become hard within a few steps and soft ones do not stall the others.
 //!
-//! - **Inequalities**: forces of normals are not negative, and friction is limited by the normal forces. Rows at a limit do not get stiffer.
+//! - **Inequalities**: forces of normals are not negative, and friction is limited by the normal forces. Rows at a limit do not get
+//!   stiffer.
 //! - **Warm start**: a step begins with α γ λ and γ k of the last one.
 //! - **Errors from before the step**: only the share 1 − α of an overlap or a slip is taken back in a step, so that it does not become a
 //!   velocity. Gaps are closed as far as they are.

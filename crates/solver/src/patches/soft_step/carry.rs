@@ -152,8 +152,8 @@ impl<L: F32xN> Block<L> {
         }
     }
 
-    /// Stores the impulses, times the number of substeps. The last substep counts once more for each one that was skipped. Loads at rest follow
-    /// the impulses by the share `rate`.
+    /// Stores the impulses, times the number of substeps. The last substep counts once more for each one that was skipped. Loads at rest
+    /// follow the impulses by the share `rate`.
     #[inline(always)]
     pub fn end(
         &self,

@@ -56,7 +56,8 @@ pub fn neighbours(problem: &PatchProblem) -> Vec<u32> {
 }
 
 impl<L: F32xN> Block<L> {
-    /// Loads the patches of an empty block. `neighbours` is the number of patches of each body, `rounds` come with the index of their first seat.
+    /// Loads the patches of an empty block. `neighbours` is the number of patches of each body, `rounds` come with the index of their first
+    /// seat.
     #[inline(always)]
     pub fn fill<'a>(
         &mut self,
@@ -94,7 +95,8 @@ impl<L: F32xN> Block<L> {
 /// An island during a step: its blocks, and the velocities and motions of its bodies.
 pub struct Island<L: F32xN> {
     pub(super) substeps: usize,
-    /// Number of substeps that are not taken, because the island is [quiet](super::quiet). Contacts give the impulses of the last one in each of them.
+    /// Number of substeps that are not taken, because the island is [quiet](super::quiet). Contacts give the impulses of the last one in
+    /// each of them.
     pub(super) skipped: usize,
     /// Springs see no depth beyond this separation, m.
     pub(super) deepest: f32,

@@ -32,8 +32,8 @@ pub struct Scratch {
 }
 
 impl<L: F32xN> Kept<L> {
-    /// The state of the last step if it is still valid; else a new one. `straight` asks for blocks that are not skewed and have no rounds, for
-    /// steps in which a visit or a sweep must end before the next begins.
+    /// The state of the last step if it is still valid; else a new one. `straight` asks for blocks that are not skewed and have no rounds,
+    /// for steps in which a visit or a sweep must end before the next begins.
     pub fn of(
         kept: Option<Box<Self>>,
         problem: &PatchProblem,
@@ -94,7 +94,8 @@ impl<L: F32xN> Kept<L> {
         }
     }
 
-    /// Runs the `first` sweeps, and the `others` if the island is not [quiet](super::quiet) after these. The others are divided among `threads`.
+    /// Runs the `first` sweeps, and the `others` if the island is not [quiet](super::quiet) after these. The others are divided among
+    /// `threads`.
     pub fn sweep_if_needed(
         &mut self,
         problem: &mut PatchProblem,
@@ -118,8 +119,8 @@ impl<L: F32xN> Kept<L> {
         }
     }
 
-    /// Runs sweeps. Each goes over the blocks from the first to the last, in the order in which bodies were spawned, from the ground up; back
-    /// and forth shook stacks and pyramids. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
+    /// Runs sweeps. Each goes over the blocks from the first to the last, in the order in which bodies were spawned, from the ground up;
+    /// back and forth shook stacks and pyramids. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
     pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], tell: &mut dyn FnMut(f32)) {
         match self.island.batches.laps() {
             1 => self.island.sweep(problem, passes, tell),

@@ -94,9 +94,9 @@ impl<L: F32xN> Kernel for PushLocked<'_, L> {
     }
 }
 
-/// Inverse masses and inertias that are added to those of the rows of a block with locked axes. Along a locked axis a row has nearly none, up
-/// to rounding, and the effective mass that follows from that would be any number. An effective mass is the size of a step: the impulses that
-/// a row finds do not depend on it.
+/// Inverse masses and inertias that are added to those of the rows of a block with locked axes. Along a locked axis a row has nearly none,
+/// up to rounding, and the effective mass that follows from that would be any number. An effective mass is the size of a step: the impulses
+/// that a row finds do not depend on it.
 #[derive(Clone, Copy, Default)]
 pub struct Ease<L> {
     /// Of velocities, 1/kg.

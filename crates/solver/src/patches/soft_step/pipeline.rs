@@ -7,8 +7,8 @@
 //! Blocks stand in waves ([`batches`](crate::batches)), so that the next sweep follows one wave behind. Grabs are visited with the
 //! block before which they stand ([`edges`](super::edges)), and that block counts their bodies as its own.
 //!
-//! On one thread, the first sweeps of a step follow the refresh and the warm start of blocks in the same way ([`Following`]), so that blocks are read
-//! from memory once for all of these.
+//! On one thread, the first sweeps of a step follow the refresh and the warm start of blocks in the same way ([`Following`]), so that
+//! blocks are read from memory once for all of these.
 //!
 //! Sweeps form groups, and those of one group follow each other on one thread: one sweep per thread would move every block from cache to
 //! cache in every sweep. A thread *claims* the next group from a counter. So a thread that waits for the previous group waits for one that
@@ -399,7 +399,8 @@ pub struct Following<'a, L: F32xN> {
 }
 
 impl<'a, L: F32xN> Following<'a, L> {
-    /// As many of these sweeps as may follow the work together; none if it is as fast to take them after it. `bytes` is the size of all blocks.
+    /// As many of these sweeps as may follow the work together; none if it is as fast to take them after it. `bytes` is the size of all
+    /// blocks.
     pub fn new(pipeline: &'a Pipeline, passes: &'a [Pass], bytes: usize) -> Option<Self> {
         let shares = pipeline.share(1, passes.len(), bytes)?;
         Some(Self {

@@ -131,8 +131,8 @@ impl<L: F32xN> Kernel for End<'_, '_, L> {
 const AT_A_TIME: usize = 64;
 
 impl<L: F32xN> Island<L> {
-    /// Refreshes all blocks from the problem, and applies the warm-start impulses of contacts and grabs in the order of the sweep. Returns the
-    /// merit of the free motion, J.
+    /// Refreshes all blocks from the problem, and applies the warm-start impulses of contacts and grabs in the order of the sweep. Returns
+    /// the merit of the free motion, J.
     pub fn refresh(
         &mut self,
         problem: &PatchProblem,
@@ -249,8 +249,9 @@ impl<L: F32xN> Island<L> {
         missing.sqrt()
     }
 
-    /// Like [`start`](Self::start). If the blocks are larger than caches, sweeps follow through the blocks as these are prepared, so that blocks are read
-    /// from memory once: at most the first `sweeps` of the passes. Returns the merit of the free motion, √J, and Σ Wᵢᵢ Δλᵢ² of each sweep that is done, J.
+    /// Like [`start`](Self::start). If the blocks are larger than caches, sweeps follow through the blocks as these are prepared, so that
+    /// blocks are read from memory once: at most the first `sweeps` of the passes. Returns the merit of the free motion, √J, and Σ Wᵢᵢ Δλᵢ²
+    /// of each sweep that is done, J.
     pub fn start_and_sweep(
         &mut self,
         problem: &PatchProblem,

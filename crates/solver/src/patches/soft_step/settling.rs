@@ -1,9 +1,10 @@
 //! Settling: a tall structure that was hit and sways loses speed, so that it comes to rest.
 //!
-//! The contacts of a wall are springs whose damping grows with the frequency: ζ is 10 at some 100 Hz. So a sway with a period of five seconds loses
-//! 6 to 12 % of its amplitude in a period. A wall of 40 × 25 through which a heavy ball has flown swayed by 15 mm for ten seconds, and fell asleep
-//! where it happened to turn, out of balance. Real joints lose more, by friction within them and by impacts. So a slow body loses speed at a constant
-//! rate. That is the mass-proportional damping of distinct-element models of masonry, and damps slow motion more than fast.
+//! The contacts of a wall are springs whose damping grows with the frequency: ζ is 10 at some 100 Hz. So a sway with a period of five
+//! seconds loses 6 to 12 % of its amplitude in a period. A wall of 40 × 25 through which a heavy ball has flown swayed by 15 mm for ten
+//! seconds, and fell asleep where it happened to turn, out of balance. Real joints lose more, by friction within them and by impacts. So a
+//! slow body loses speed at a constant rate. That is the mass-proportional damping of distinct-element models of masonry, and damps slow
+//! motion more than fast.
 //!
 //! The loss vanishes with the speed, so it holds nothing up. It is limited to what sways:
 //! - Only worlds with sleeping have it ([`PatchProblem::settling`]).
@@ -17,8 +18,8 @@ use crate::patches::FEW;
 use crate::{Body, PatchProblem, Settling};
 use glam::Vec3;
 
-/// Number of awake courses from which on a structure settles. Lower ones sway faster, so springs damp them. Parts of a pile that creep apart must not
-/// be stopped while they overlap.
+/// Number of awake courses from which on a structure settles. Lower ones sway faster, so springs damp them. Parts of a pile that creep
+/// apart must not be stopped while they overlap.
 const TALL: u32 = 12;
 
 /// Islands that are solved [together](super::together) are too small to settle.

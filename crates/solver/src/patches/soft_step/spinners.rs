@@ -1,9 +1,9 @@
 //! Spinners: tops, which spin fast about their axis while they stand on it.
 //!
-//! The gyroscopic term rotates the angular velocity of a body about its spin. If contacts were solved for the whole step first and the term came
-//! after them, both would be wrong for a spin that turns by a large angle in a step: the friction at the tip would hold a point that is about to swing
-//! away. So each substep of a spinner ends with its own gyroscopic change. Its inertia and its arms swing with its axis, because all of its contacts lie
-//! there. A wheel is no spinner: it touches the ground with other points from substep to substep.
+//! The gyroscopic term rotates the angular velocity of a body about its spin. If contacts were solved for the whole step first and the term
+//! came after them, both would be wrong for a spin that turns by a large angle in a step: the friction at the tip would hold a point that
+//! is about to swing away. So each substep of a spinner ends with its own gyroscopic change. Its inertia and its arms swing with its axis,
+//! because all of its contacts lie there. A wheel is no spinner: it touches the ground with other points from substep to substep.
 
 use super::block::Pass;
 use super::island::Island;
@@ -31,7 +31,8 @@ fn is_fast(body: &Body, dt: f32) -> bool {
 /// A point does not touch if its separation exceeds that of the nearest point by more than this share of the distance between them.
 const SLOPE: f32 = 0.02;
 
-/// From the centre of a patch to the mean of the points that touch, m. A fast top has points at its rim, because it might reach them within the step.
+/// From the centre of a patch to the mean of the points that touch, m. A fast top has points at its rim, because it might reach them within
+/// the step.
 fn touching_center(patch: &PatchConstraint, points: &[PatchPoint]) -> Vec3 {
     let points = &points[patch.range()];
     let nearer = |a: &PatchPoint, b: &PatchPoint| a.separation < b.separation;
@@ -94,8 +95,8 @@ pub struct Found {
 }
 
 impl Found {
-    /// Finds the spinners, and moves the centres of their patches. Friction acts at the centre of a patch, and would hold a top at its rim otherwise.
-    /// Problems with joints have none, because joints turn their bodies in substeps anyway.
+    /// Finds the spinners, and moves the centres of their patches. Friction acts at the centre of a patch, and would hold a top at its rim
+    /// otherwise. Problems with joints have none, because joints turn their bodies in substeps anyway.
     pub fn of(problem: &mut PatchProblem) -> Self {
         let mut found = Self::default();
         if !problem.joints.is_empty() {

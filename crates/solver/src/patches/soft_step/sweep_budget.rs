@@ -58,9 +58,9 @@ pub struct SweepBudget {
     pub downwards: bool,
     /// The rate of sweeps that sets the stiffness of springs, 1/s.
     pub rate: f32,
-    /// Number of sweeps by which loads at rest follow. A step that is far shorter than the longest recent one has its least number of sweeps in nearly no
-    /// time: its forces are the velocities that it stopped, over that time. If loads followed them at once, the next long step would give these
-    /// velocities back many times.
+    /// Number of sweeps by which loads at rest follow. A step that is far shorter than the longest recent one has its least number of
+    /// sweeps in nearly no time: its forces are the velocities that it stopped, over that time. If loads followed them at once, the next
+    /// long step would give these velocities back many times.
     pub followed: f32,
 }
 

@@ -113,8 +113,8 @@ fn next<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
 }
 
 impl SoftStep {
-    /// Solves each problem: those that get the same sweeps together, and those with joints, blows or deep overlaps alone. `L` are the lanes in
-    /// which a problem is solved alone, and `W` those in which problems are solved together. Both give the same bits.
+    /// Solves each problem: those that get the same sweeps together, and those with joints, blows or deep overlaps alone. `L` are the lanes
+    /// in which a problem is solved alone, and `W` those in which problems are solved together. Both give the same bits.
     pub(super) fn solve_together<L: F32xN, W: F32xN>(
         &self,
         problems: &mut [PatchProblem],

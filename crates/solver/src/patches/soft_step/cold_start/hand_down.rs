@@ -39,8 +39,8 @@ struct Supports {
     above: Vec<u32>,
 }
 
-/// By body: whether a path of closed patches leads down to a fixed body, or to one that joints hold (`jointed`, if any). Patches come in the order of their level, so that one pass finds
-/// all.
+/// By body: whether a path of closed patches leads down to a fixed body, or to one that joints hold (`jointed`, if any). Patches come in
+/// the order of their level, so that one pass finds all.
 pub fn standing(problem: &PatchProblem, closed: f32, jointed: &[bool]) -> Vec<bool> {
     let up = up(problem);
     let fixed = |body: &Body| body.inverse_mass == 0.0;
@@ -230,8 +230,8 @@ fn unbalanced(problem: &PatchProblem) -> Vec<[Vec3; 2]> {
     motions
 }
 
-/// The largest motion that the warm-start impulses leave a body in this step, m/s; infinite if one is not a number. Rotations count on an arm of
-/// a metre.
+/// The largest motion that the warm-start impulses leave a body in this step, m/s; infinite if one is not a number. Rotations count on an
+/// arm of a metre.
 pub fn largest_motion(problem: &PatchProblem) -> f32 {
     let motions = unbalanced(problem);
     let bodies = problem.bodies.iter().zip(motions);
@@ -255,8 +255,8 @@ pub fn hand_down(problem: &mut PatchProblem, limits: Limits, new: &[bool]) -> us
     pass_on(problem, limits, new.to_vec(), motions)
 }
 
-/// Passes loads down to the ground. `gained` are the bodies that have any, and `motions` those that it would give them in this step. Returns
-/// the number of bodies on the longest path.
+/// Passes loads down to the ground. `gained` are the bodies that have any, and `motions` those that it would give them in this step.
+/// Returns the number of bodies on the longest path.
 pub fn pass_on(
     problem: &mut PatchProblem,
     limits: Limits,

@@ -1,7 +1,8 @@
 //! Loads of structures with joints that stand on loose bodies.
 //!
-//! How much each foot of a table bears is known to its joints alone, so their [direct solve](super::super::joints) finds it. Then the bodies
-//! under the feet hand it down. These may lie on another structure with joints, which passes it on to its own feet in the next round.
+//! How much each foot of a table bears is known to its joints alone, so their [direct solve](super::super::joints) finds it. Then the
+//! bodies under the feet hand it down. These may lie on another structure with joints, which passes it on to its own feet in the next
+//! round.
 
 use super::super::SoftStep;
 use super::super::block::{Pass, Spring};

@@ -6,8 +6,8 @@
 //! that was built as a whole, and is not in balance with these loads, gets those under a [growing weight](grow) instead: statics alone
 //! would let it lean on a squeeze that does not exist. If these forces hold the structure, it is [brought to rest](statics): impulses that
 //! keep it still become its loads at rest, and so they are held. A structure that is spawned asleep skips all that if the loads that were
-//! handed down keep it still. The removal of a body from the top is handed down like a new load;
-//! otherwise its supports would be thrown. [Structures with joints](jointed) press on loose bodies with the loads that their joints give them.
+//! handed down keep it still. The removal of a body from the top is handed down like a new load; otherwise its supports would be thrown.
+//! [Structures with joints](jointed) press on loose bodies with the loads that their joints give them.
 
 mod grow;
 mod hand_down;
@@ -33,8 +33,8 @@ const PLACED: f32 = 0.005;
 /// A structure is in balance if no body moves by more than this share of its motion under gravity. Rotations count on an arm of a metre.
 const BALANCED: f32 = 1e-3;
 
-/// A structure is still if no body moves by more than this share of its motion under gravity, and if a sweep changes no more than this share of what
-/// gravity changes.
+/// A structure is still if no body moves by more than this share of its motion under gravity, and if a sweep changes no more than this
+/// share of what gravity changes.
 const STILL: f32 = 3e-4;
 
 /// Upper bound of sweeps back and forth that bring a structure to rest, per course.
@@ -126,8 +126,9 @@ pub fn cold_start<L: F32xN>(problem: &mut PatchProblem, body_loads: &[BodyLoad])
     new.is_some() || is_borne
 }
 
-/// Hands down the loads of a structure at rest without joints. Returns a search if that does not keep it still. Most walls need none, and the
-/// blocks for its sweeps take longer to build than loads to hand down. Awake structures are always searched, because they would move by what is left.
+/// Hands down the loads of a structure at rest without joints. Returns a search if that does not keep it still. Most walls need none, and
+/// the blocks for its sweeps take longer to build than loads to hand down. Awake structures are always searched, because they would move by
+/// what is left.
 pub fn start_at_rest(problem: &mut PatchProblem, body_loads: &[BodyLoad]) -> Option<Search> {
     let limits = limits(problem).at_rest(problem);
     let new = New::find(problem, limits.closed, body_loads, &[])?;
@@ -186,8 +187,8 @@ impl Search {
     }
 }
 
-/// Makes the friction of new bodies a load at rest, where no search does. Springs that begin without it slip: ten tons on a plank of a bridge, which is
-/// hardly tilted, by 0.06 mm.
+/// Makes the friction of new bodies a load at rest, where no search does. Springs that begin without it slip: ten tons on a plank of a
+/// bridge, which is hardly tilted, by 0.06 mm.
 fn hold(problem: &mut PatchProblem, new: &[bool]) {
     for patch in problem.patches.iter_mut() {
         let is_new = patch.bodies.iter().any(|&body| new[body as usize]);

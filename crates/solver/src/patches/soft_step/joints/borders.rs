@@ -1,7 +1,7 @@
 //! Changes of what is solved for, without another factorization.
 //!
-//! In most visits some impulse reaches its bound, or leaves it, and some contact begins or ceases to carry. Each such change is a border of the
-//! factorized system K: a direction v with a corner c, and an amount s that is solved for as well:
+//! In most visits some impulse reaches its bound, or leaves it, and some contact begins or ceases to carry. Each such change is a border of
+//! the factorized system K: a direction v with a corner c, and an amount s that is solved for as well:
 //!
 //! ```text
 //! | K   V | |x|   |b|
@@ -13,8 +13,8 @@
 //! - One that is part of K and is not solved for has the corner γ; d is the rate that it lacks less what its own impulse makes up for.
 //! - One that is solved for and is not part of K has the corner −γ, and d is the rate that it lacks.
 //!
-//! A border costs a solve once, which is less work than a factorization, and later visits use it again. Their amounts follow from a small dense
-//! system.
+//! A border costs a solve once, which is less work than a factorization, and later visits use it again. Their amounts follow from a small
+//! dense system.
 
 use super::factor::{Factor, Numbers};
 use crate::lanes::run_plain;

@@ -3,8 +3,8 @@
 //! A patch breaks in the substep in which its stress exceeds its strength, and holds nothing from then on: if it held until the end of the
 //! step, a bonded wall would stop a blow of any strength. The contact of its bodies is found in the next step.
 //!
-//! Breaking relieves the neighbours. So of the patches that would break, one breaks only if no other of its two bodies is nearer to breaking;
-//! the others get another substep. An overloaded cantilever breaks at its root, and falls in one piece.
+//! Breaking relieves the neighbours. So of the patches that would break, one breaks only if no other of its two bodies is nearer to
+//! breaking; the others get another substep. An overloaded cantilever breaks at its root, and falls in one piece.
 //!
 //! The filtered stress outlasts the relief, and the stress of a single substep may be that of a blow. Only if both exceed the strength, the
 //! patch breaks.
@@ -14,8 +14,8 @@ use super::{Joints, Log};
 use crate::joint::{MortarFailure, Section, Utilization};
 use glam::Vec3;
 
-/// A patch whose bodies are farther from where it holds them than this share of its size was moved by an edit, and has broken. Bonds yield by
-/// a thousandth of that at most.
+/// A patch whose bodies are farther from where it holds them than this share of its size was moved by an edit, and has broken. Bonds yield
+/// by a thousandth of that at most.
 const MISFIT: f32 = 0.02;
 
 /// The lesser utilization of a section by the filtered forces and by those of a substep; none if the latter do not exceed its strength.

@@ -7,15 +7,15 @@
 //! (M + Σ Jᵀ J/γ) Δv = Σ Jᵀ r/γ
 //! ```
 //!
-//! with M the masses and inertias. It is positive definite, so any order of elimination has a factorization L D Lᵀ. A row adds to the blocks of
-//! its two bodies, whether it is one of two or of ten between them; rows that are not solved for add nothing. So the blocks depend only on
-//! which bodies are connected. A body that hangs on one other leaves no fill, so a tree costs a fixed amount for each of its bodies (Baraff
-//! 1996, "Linear-time dynamics using Lagrange multipliers"). Loops leave some, and are as exact; bodies with few neighbours left are eliminated
-//! first (minimum degree: Tinney and Walker 1967).
+//! with M the masses and inertias. It is positive definite, so any order of elimination has a factorization L D Lᵀ. A row adds to the
+//! blocks of its two bodies, whether it is one of two or of ten between them; rows that are not solved for add nothing. So the blocks
+//! depend only on which bodies are connected. A body that hangs on one other leaves no fill, so a tree costs a fixed amount for each of its
+//! bodies (Baraff 1996, "Linear-time dynamics using Lagrange multipliers"). Loops leave some, and are as exact; bodies with few neighbours
+//! left are eliminated first (minimum degree: Tinney and Walker 1967).
 //!
-//! Numbers are f64. Rows are at most 10⁹ times as stiff as masses are heavy in a substep, so seven digits of sixteen are left for momentum, as
-//! many as velocities have. Blocks have six columns of two groups of four numbers each, of which the fourth
-//! is zero, so that most operations are of whole registers.
+//! Numbers are f64. Rows are at most 10⁹ times as stiff as masses are heavy in a substep, so seven digits of sixteen are left for momentum,
+//! as many as velocities have. Blocks have six columns of two groups of four numbers each, of which the fourth is zero, so that most
+//! operations are of whole registers.
 
 use crate::lanes::PlainKernel;
 use crate::sort;

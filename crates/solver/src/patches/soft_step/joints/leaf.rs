@@ -1,9 +1,9 @@
 //! Contacts that carry jointed bodies, as a part of the direct solve.
 //!
 //! A solve that knew nothing of contacts would press the feet of a table into the ground in every sweep, and the contacts would lift them
-//! out again: a table of a ton on legs of a kilogram jumps by a quarter of a metre. So the normals of contacts that carry join the solve. Each
-//! touches one jointed body, and so it is eliminated first and only adds J Jᵀ/γ to the pivot of that body. Friction stays in the sweep, and
-//! so do contacts between two jointed bodies.
+//! out again: a table of a ton on legs of a kilogram jumps by a quarter of a metre. So the normals of contacts that carry join the solve.
+//! Each touches one jointed body, and so it is eliminated first and only adds J Jᵀ/γ to the pivot of that body. Friction stays in the
+//! sweep, and so do contacts between two jointed bodies.
 //!
 //! The other body of a contact may move. It is taken into account as if each contact had an equal part of its mass, which is never stiffer
 //! than the truth.
@@ -22,7 +22,8 @@ use std::cell::Cell;
 /// See `visit.rs`: the held load of a point is at most its load at rest times this times the share that the patch carries.
 const UNLOADED: f32 = 3.0;
 
-/// Compliance of a contact in a cold start, times its effective mass. That of a spring (0.06) would let a table on light legs begin to sink.
+/// Compliance of a contact in a cold start, times its effective mass. That of a spring (0.06) would let a table on light legs begin to
+/// sink.
 const RIGID: f32 = 1e-6;
 
 /// A patch between a jointed body and one without joints.
@@ -224,8 +225,8 @@ impl LeafPatch {
         }
     }
 
-    /// Adds its points to the leaves if they carry nothing yet, touch a body that bears them, and are not farther apart than `closed` m. They
-    /// are almost rigid. A body that moves bears them as if it did not if it is one of `supports`.
+    /// Adds its points to the leaves if they carry nothing yet, touch a body that bears them, and are not farther apart than `closed` m.
+    /// They are almost rigid. A body that moves bears them as if it did not if it is one of `supports`.
     pub fn collect_new<L: F32xN>(
         &self,
         number: usize,
@@ -275,8 +276,8 @@ impl LeafPatch {
         self.normal.dot(at(a, arms[0]) - at(b, arms[1]))
     }
 
-    /// The leaf of a point without impulse, with the response of the other body as its compliance. `number` is that of the patch; `point` is
-    /// its index among the island's points.
+    /// The leaf of a point without impulse, with the response of the other body as its compliance. `number` is that of the patch; `point`
+    /// is its index among the island's points.
     fn leaf(&self, number: usize, i: usize, point: usize, arms: [Vec3; 2]) -> Leaf {
         let sign = if self.side == 0 { 1.0 } else { -1.0 };
         let push = sign * self.normal;

@@ -7,8 +7,8 @@
 use super::leaf::LeafPatch;
 use crate::PatchProblem;
 
-/// How much faster than those of other contacts the mean loads at rest follow. With 4, the table takes 2.1 s to come to rest; with 16 it rocks
-/// for 1.8 s at 60 Hz and for 2.3 s at 10 Hz.
+/// How much faster than those of other contacts the mean loads at rest follow. With 4, the table takes 2.1 s to come to rest; with 16 it
+/// rocks for 1.8 s at 60 Hz and for 2.3 s at 10 Hz.
 const FASTER: f32 = 8.0;
 
 /// Lets the mean load at rest of each patch follow by the rest of its share; it has followed by the share `rate`.

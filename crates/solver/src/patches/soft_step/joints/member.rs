@@ -12,7 +12,8 @@ const SINGULAR: f64 = 1e-13;
 /// Moments of inertia that differ by less than this share are those of a body with an axis of symmetry.
 const ALIKE: f64 = 0.02;
 
-/// The inertia about an axis about which a body does not turn, and the mass along one along which it does not move, as a factor of the others.
+/// The inertia about an axis about which a body does not turn, and the mass along one along which it does not move, as a factor of the
+/// others.
 const LOCKED: f64 = 1e7;
 
 /// The share of its inertia up to which the geometric stiffness of a body is left to the solve.
@@ -21,8 +22,8 @@ const STIFF: f64 = 0.1;
 /// A rotation by more than this makes arms, directions and inertias stale, rad.
 const TURNED: f32 = 1e-4;
 
-/// So does one by which a body under a large pull would turn faster than this, rad/s, as it swings back. Forces along stale directions follow the motion
-/// late, which drives the swing: the planks of a bridge under ten tons moved by 20 mm/s.
+/// So does one by which a body under a large pull would turn faster than this, rad/s, as it swings back. Forces along stale directions
+/// follow the motion late, which drives the swing: the planks of a bridge under ten tons moved by 20 mm/s.
 const SWUNG: f32 = 1e-3;
 
 /// A body that joints refer to.

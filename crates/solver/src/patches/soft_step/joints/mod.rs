@@ -4,10 +4,11 @@
 //! load of a thousand links stretches by centimetres, or flies apart. So each connected [piece] of the joint graph is solved as a
 //! whole by a [sparse factorization](factor), after the contacts of every soft and every rigid sweep; the other way round it flies apart.
 //!
-//! - **Rows** ([`row`]) are springs a hundred thousand times as stiff as those of contacts. They are never quite rigid: joints that hold each
-//!   other redundantly would have no unique forces.
+//! - **Rows** ([`row`]) are springs a hundred thousand times as stiff as those of contacts. They are never quite rigid: joints that hold
+//!   each other redundantly would have no unique forces.
 //! - **Arms turn** within a step: directions, errors, inertias and the factorization are refreshed in each substep for what has turned by
-//!   more than 1e-4 rad. What rests keeps them. Rows allow for the curvature of the way ([`Bend::inward_rate`](crate::joint::Bend::inward_rate)).
+//!   more than 1e-4 rad. What rests keeps them. Rows allow for the curvature of the way
+//!   ([`Bend::inward_rate`](crate::joint::Bend::inward_rate)).
 //! - **Impulses** are applied anew where arms have turned. The extrapolation of velocities, which contacts use, would repeat forces in
 //!   directions in which they no longer act.
 //! - **Geometric stiffness** ([`Member::stiffen`]): a light link under a large pull vibrates faster than any substep.
@@ -342,8 +343,8 @@ impl Joints {
         self.cold_start(supports, problem, &mut contacts);
     }
 
-    /// Finds the impulses of pieces that were just built, and of the contacts on which they stand: whose joints have none yet, and whose bodies
-    /// rest where joints want them. Then finds their geometric stiffness.
+    /// Finds the impulses of pieces that were just built, and of the contacts on which they stand: whose joints have none yet, and whose
+    /// bodies rest where joints want them. Then finds their geometric stiffness.
     fn cold_start<L: F32xN>(
         &mut self,
         supports: &[bool],
@@ -579,8 +580,8 @@ impl Joints {
 
 /// Records the forces of the substeps of a piece that were not recorded yet. They were the same in all of them.
 ///
-/// Where arms turn, a rigid sweep stops the motion to which the next substep would have given its impulse. In filtered forces, that impulse counts as
-/// one of the next substep: a pendulum would seem to pull with 1, 3 and 5 times its weight in turns, and not with 3.
+/// Where arms turn, a rigid sweep stops the motion to which the next substep would have given its impulse. In filtered forces, that impulse
+/// counts as one of the next substep: a pendulum would seem to pull with 1, 3 and 5 times its weight in turns, and not with 3.
 fn record(
     piece: &mut Piece,
     (links, rows): (&[Link], &mut [Row]),

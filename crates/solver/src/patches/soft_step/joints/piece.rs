@@ -4,8 +4,8 @@
 //! bounded or free. Where an impulse passes its bound it is fixed there, a fixed one that would come back is freed, and the piece is solved
 //! again, at most [`PASSES`] times. An impulse that is cut without another solve leaves its joint open.
 //!
-//! A piece is *calm* while all of its rows are content, in soft and in rigid sweeps alike. Then nothing is solved, and as long as its bodies
-//! neither move nor change their velocities, its rows are not looked at either. So what rests costs little.
+//! A piece is *calm* while all of its rows are content, in soft and in rigid sweeps alike. Then nothing is solved, and as long as its
+//! bodies neither move nor change their velocities, its rows are not looked at either. So what rests costs little.
 
 use super::borders::{Borders, MOST_BORDERS, Wanted};
 use super::factor::{Coupling, Factor, Numbers};
@@ -20,16 +20,16 @@ use glam::{DVec3, Vec3};
 use std::cell::Cell;
 use std::ops::Range;
 
-/// Upper bound of solves in a visit. With 5, a joint of a ragdoll in a heap of 100 opened by 7.1 mm in a blow; with 20 none by more than 0.16 mm.
-/// Few visits need so many.
+/// Upper bound of solves in a visit. With 5, a joint of a ragdoll in a heap of 100 opened by 7.1 mm in a blow; with 20 none by more than
+/// 0.16 mm. Few visits need so many.
 const PASSES: usize = 20;
 
 /// A rate below which a fixed row counts as content, m/s or rad/s.
 const CONTENT: f64 = 1e-7;
 
-/// What a row or a contact may lack in a calm piece, m/s and rad/s. Errors of position that ask for a faster correction wake it. With 1e-7, which
-/// is rounding of the velocities of a link under a hundred times its weight, a chain at rest is seldom calm; with 1e-5 it is nearly always,
-/// and trembles by 2e-5 m/s where it wakes.
+/// What a row or a contact may lack in a calm piece, m/s and rad/s. Errors of position that ask for a faster correction wake it. With 1e-7,
+/// which is rounding of the velocities of a link under a hundred times its weight, a chain at rest is seldom calm; with 1e-5 it is nearly
+/// always, and trembles by 2e-5 m/s where it wakes.
 const CALM: f32 = 1e-6;
 
 /// What bonds may lack. They are so stiff that what they lack in a loop would strain them.
@@ -203,9 +203,9 @@ impl Piece {
         sum + self.apply_to_contacts(lists, contacts)
     }
 
-    /// Finds the impulses that hold everything still, before the first sweep: joints that were just added have none to begin with, and a first
-    /// sweep of contacts would find nothing that bears them. Contacts that carry nothing yet get impulses and loads at rest too, with fixed
-    /// bodies and with those of `supports`, if their points are not farther apart than `closed` m.
+    /// Finds the impulses that hold everything still, before the first sweep: joints that were just added have none to begin with, and a
+    /// first sweep of contacts would find nothing that bears them. Contacts that carry nothing yet get impulses and loads at rest too, with
+    /// fixed bodies and with those of `supports`, if their points are not farther apart than `closed` m.
     pub fn cold_start<L: F32xN>(
         &mut self,
         h: f32,

@@ -13,9 +13,9 @@ const STIFFER: f32 = 1e5;
 /// How much stiffer rows of motors and of friction are than that, which have no position to return to.
 const DRIVEN: f32 = 1e3;
 
-/// The share of its compliance by which a row of a section yields under a lasting force. Rows of joints yield with their whole compliance, and
-/// return by errors of position; those of a section have none within the rounding of poses, and would creep. At this share, creep is below what
-/// a pose can show, and what rounding puts into bonds that hold each other is gone after two seconds.
+/// The share of its compliance by which a row of a section yields under a lasting force. Rows of joints yield with their whole compliance,
+/// and return by errors of position; those of a section have none within the rounding of poses, and would creep. At this share, creep is
+/// below what a pose can show, and what rounding puts into bonds that hold each other is gone after two seconds.
 const CREEP: f32 = 5e-4;
 
 /// Directions are refreshed where anchors have moved against each other by more than this share of the arms.

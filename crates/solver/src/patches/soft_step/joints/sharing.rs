@@ -1,8 +1,8 @@
 //! How bonded patches share a load.
 //!
-//! Statics alone does not say what each of several bonds bears that hold each other, such as those of a wall. Their stiffness does: a bond is as
-//! stiff as its area is large. So the compliances of the rows of sections are inverse to their areas and moments of area, on a scale on which
-//! none is softer than the row of a joint would be.
+//! Statics alone does not say what each of several bonds bears that hold each other, such as those of a wall. Their stiffness does: a bond
+//! is as stiff as its area is large. So the compliances of the rows of sections are inverse to their areas and moments of area, on a scale
+//! on which none is softer than the row of a joint would be.
 
 use super::Joints;
 

@@ -1,8 +1,8 @@
 //! The rows of a joint as springs between two bodies, in the system that [`factor`](super::factor) solves.
 //!
-//! All translations of a joint act at one point, the anchor of B, with arms r to the bodies, and rotations act on both bodies alike. So the rows
-//! of a joint are two symmetric matrices: S of translations and T of rotations, Σ d dᵀ/γ with directions d and compliances γ. The block in the
-//! rows of body y and the columns of body x is
+//! All translations of a joint act at one point, the anchor of B, with arms r to the bodies, and rotations act on both bodies alike. So the
+//! rows of a joint are two symmetric matrices: S of translations and T of rotations, Σ d dᵀ/γ with directions d and compliances γ. The
+//! block in the rows of body y and the columns of body x is
 //!
 //! ```text
 //! | S      S [x]ᵀ         |

@@ -218,7 +218,7 @@ pub struct Structures {
     /// Who was pulled out of each, and when.
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted")
+        serde(serialize_with = "crate::stored::written::sorted")
     )]
     pulled: HashMap<u64, Pulled>,
     /// Bonds that broke, and when, s.

@@ -284,19 +284,19 @@ pub struct Told {
     /// Hands whose numbers are invalid, so that their grabs stay as they were.
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted_set")
+        serde(serialize_with = "crate::stored::written::sorted_set")
     )]
     pub(crate) hands: EntityHashSet,
     /// Characters that cannot move.
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted_set")
+        serde(serialize_with = "crate::stored::written::sorted_set")
     )]
     pub(crate) characters: EntityHashSet,
     /// Colliders that were left out of the body above them.
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted_set")
+        serde(serialize_with = "crate::stored::written::sorted_set")
     )]
     pub(crate) strays: EntityHashSet,
 }

@@ -144,6 +144,7 @@ pub mod solve;
 pub mod stability;
 pub mod stabilization;
 pub mod state;
+mod stored;
 pub mod streaming;
 pub mod warm_start;
 

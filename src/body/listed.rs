@@ -5,7 +5,7 @@ use super::list::{body_properties, names::*};
 use super::rows::{Rows, written_rows};
 use super::{BodyProperties, RigidBody};
 use crate::diagnosis::BodyProblem;
-use crate::state::visitor::Visitor;
+use crate::stored::Visitor;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;

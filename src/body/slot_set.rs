@@ -1,6 +1,6 @@
 //! A set of slots that is iterated in the time that its members take, however many slots there are.
 
-use crate::state::clone_fields;
+use crate::stored::clone_fields;
 
 /// A set of slots: one bit for each, and above those one bit for each word that is not zero. With a million bodies at rest, a plain list of
 /// bits takes 10 µs to find the few that are active, and stages look for them twenty times in a step.

@@ -13,7 +13,7 @@ use super::{
 use crate::children::{self, BodyParts};
 use crate::collider::Collider;
 use crate::revision::Revision;
-use crate::state::clone_fields;
+use crate::stored::clone_fields;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::entity_disabling::Disabled;
@@ -170,7 +170,7 @@ pub struct BodyState {
     /// Its shape, if it has one.
     pub collider: Option<Collider>,
     /// Copies of its surface and of other properties. Bodies with the same properties that are added one after the other share them.
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::stored::written::shared"))]
     pub properties: Arc<BodyProperties>,
     /// Factor on gravity, without unit.
     pub gravity_scale: f32,
@@ -181,7 +181,10 @@ pub struct BodyState {
     /// The external force and the damping of the last step, unless both were zero.
     pub(super) pushes: Option<Box<Pushes>>,
     /// Its solid parts and its sensors, if it has some on other entities, or is a sensor itself.
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::maybe_shared"))]
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::stored::written::maybe_shared")
+    )]
     pub(crate) parts: Option<Arc<BodyParts>>,
     /// The last visit of *prepare* that found the body.
     pub(crate) visited: u64,
@@ -413,11 +416,14 @@ pub struct BodyTable {
     /// Slots of two bodies that do not collide because joints connect them, the lower one first; with the number of those joints.
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted")
+        serde(serialize_with = "crate::stored::written::sorted")
     )]
     not_colliding: HashMap<[u32; 2], u32>,
     /// The properties of the body that was added last.
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::maybe_shared"))]
+    #[cfg_attr(
+        feature = "serde",
+        serde(with = "crate::stored::written::maybe_shared")
+    )]
     last_properties: Option<Arc<BodyProperties>>,
     spawn_orders: u64,
     visits: u64,

@@ -14,7 +14,7 @@ pub use escaped_aabb::escaped_aabb;
 use crate::body::{BodyState, BodyTable, cover};
 use crate::collider::Collider;
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
-use crate::state::clone_fields;
+use crate::stored::clone_fields;
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 use glam::Vec3;
@@ -46,7 +46,7 @@ const SPARE: u32 = 8;
 #[derive(Resource, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Broadphase {
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::tree"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::stored::written::tree"))]
     tree: Bvh,
     /// Memory for updates of the tree, which is given back when nothing moves.
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -54,7 +54,7 @@ pub struct Broadphase {
     #[cfg_attr(feature = "serde", serde(skip))]
     has_workspace: bool,
     /// Fat boxes by slot; `None` for free slots and half-spaces.
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::boxes"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::stored::written::boxes"))]
     fat: Vec<Option<Aabb>>,
     /// By slot: how far around its shape a body may reach before it leaves its fat box, m, as long as it does not move; 0 if that is not
     /// known.

@@ -23,19 +23,19 @@ use std::sync::Arc;
 #[component(on_remove = crate::body::lost_description, map_entities, clone_behavior = Ignore, summary_tick)]
 pub struct CompoundCollider {
     /// What it was made from.
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared_list"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::stored::written::shared_list"))]
     pub(super) sources: Arc<[Part]>,
     pub(super) kind: RigidBody,
     /// The scale of the body in the world.
     pub(super) scale: Vec3,
     shape: Option<Collider>,
     /// By piece of the shape: 0 for the body's own collider, otherwise the number of the part, from 1 on.
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared_list"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::stored::written::shared_list"))]
     owners: Arc<[u16]>,
     /// Index in `sources` of each part, by its number less 1.
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared_list"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::stored::written::shared_list"))]
     solids: Arc<[u32]>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared_list"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::stored::written::shared_list"))]
     zones: Arc<[Zone]>,
     masses: Masses,
     problem: Option<BodyProblem>,

@@ -16,7 +16,7 @@ use std::sync::Arc;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BodyParts {
     /// By piece of the compound: 0 for the body's own collider, otherwise the number of the part, from 1 on.
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::shared_list"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::stored::written::shared_list"))]
     owners: Arc<[u16]>,
     /// The layers of the body's own collider.
     own_layers: CollisionLayers,
@@ -43,7 +43,7 @@ pub(crate) struct BodyPart {
 pub(crate) struct Zone {
     /// The entity with the `Sensor`.
     pub entity: Entity,
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::parry_pose"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::stored::written::parry_pose"))]
     pub at: ParryPose,
     pub shape: Collider,
     layers: Option<CollisionLayers>,

@@ -44,7 +44,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 pub struct CollidingEntities(
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted_set")
+        serde(serialize_with = "crate::stored::written::sorted_set")
     )]
     pub EntityHashSet,
 );

@@ -3,7 +3,7 @@
 //! Most lists lie in the component itself, and their entries are plain numbers. They are [copied as a block](copy).
 
 use super::{ContactAnchors, ContactImpulses, ContactTargets, Manifold};
-use crate::state::{copy, copy_into};
+use crate::stored::{copy, copy_into};
 
 impl Clone for Manifold {
     fn clone(&self) -> Self {

@@ -13,7 +13,7 @@ use glam::Vec3;
 pub struct MovingSurfaces(
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted")
+        serde(serialize_with = "crate::stored::written::sorted")
     )]
     HashMap<u32, Vec3>,
 );

@@ -12,7 +12,7 @@ use glam::Vec3;
 pub(super) struct Accounts(
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted")
+        serde(serialize_with = "crate::stored::written::sorted")
     )]
     HashMap<u32, Wrench>,
 );

@@ -10,7 +10,7 @@
 //! anew.
 
 use super::ConstraintGraph;
-use crate::state::clone_fields;
+use crate::stored::clone_fields;
 use bevy_ecs::entity::{Entities, Entity};
 use bevy_ecs::prelude::*;
 use bevy_ecs::storage::TableId;

@@ -42,7 +42,7 @@ const SLOWEST: f32 = 0.1;
 pub(super) struct Drifts(
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted")
+        serde(serialize_with = "crate::stored::written::sorted")
     )]
     HashMap<u32, Drift>,
 );

@@ -14,7 +14,7 @@ use super::active::ActiveRows;
 use crate::body::make_room;
 use crate::solver::Both;
 use crate::solver::sort;
-use crate::state::{clone_fields, copy, copy_into};
+use crate::stored::{clone_fields, copy, copy_into};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use smallvec::SmallVec;

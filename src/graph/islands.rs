@@ -19,7 +19,7 @@ use crate::joint::JointEdge;
 use crate::revision::Revision;
 use crate::saving::Restored;
 use crate::settings::{Gravity, SleepSettings, StepTime};
-use crate::state::clone_fields;
+use crate::stored::clone_fields;
 use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;

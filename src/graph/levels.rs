@@ -16,7 +16,7 @@
 
 use super::edges::{ConstraintGraph, WORLD};
 use crate::body::cover;
-use crate::state::clone_fields;
+use crate::stored::clone_fields;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 

@@ -19,7 +19,7 @@ use crate::body::cover;
 use crate::revision::Revision;
 use crate::solver::Both;
 use crate::solver::sort;
-use crate::state::clone_fields;
+use crate::stored::clone_fields;
 use std::collections::VecDeque;
 use std::fmt;
 

@@ -12,9 +12,8 @@ use crate::body::SpawnOrder;
 use crate::joint::BreakForce;
 use crate::mortar::MortarJoint;
 use crate::solver::sort;
-use crate::state::components_of;
-use crate::state::erased::Values;
-use crate::state::visitor::Visitor;
+use crate::stored::Visitor;
+use crate::stored::erased::Values;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
@@ -78,20 +77,18 @@ macro_rules! joint_types {
             })+
         }
 
-        /// The components of a copy of a joint, which refers to other bodies.
-        pub(crate) fn copy(world: &World, joint: Entity, bodies: [Option<Entity>; 2]) -> Vec<Values> {
-            let types = [
-                TypeId::of::<JointForces>(),
-                TypeId::of::<BreakForce>(),
-                $(TypeId::of::<$Type>(),)+
-            ];
-            let mut copy = components_of(world, joint, &types);
-            for values in &mut copy {
-                $(if let Some([joint]) = values.as_mut().typed::<$Type>() {
-                    joint.set_bodies(bodies);
-                })+
-            }
-            copy
+        /// The components of a joint that a copy has.
+        pub(crate) const COPIED: &[TypeId] = &[
+            TypeId::of::<JointForces>(),
+            TypeId::of::<BreakForce>(),
+            $(TypeId::of::<$Type>(),)+
+        ];
+
+        /// Lets a joint join other bodies. Components that are no joints stay as they are.
+        pub(crate) fn set_bodies(component: &mut Values, bodies: [Option<Entity>; 2]) {
+            $(if let Some([joint]) = component.as_mut().typed::<$Type>() {
+                joint.set_bodies(bodies);
+            })+
         }
 
         /// Registers all types for reflection.

@@ -15,8 +15,8 @@ use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
 };
-use crate::state::erased::Values;
 use crate::state::{self, components_of};
+use crate::stored::erased::Values;
 use bevy_app::App;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
@@ -227,8 +227,12 @@ pub(super) fn copy_joint(
     bodies: [Option<Entity>; 2],
 ) -> Option<Entity> {
     world.get_entity(joint).ok()?;
+    let mut parts = components_of(world, joint, joint::COPIED);
+    for part in &mut parts {
+        joint::set_bodies(part, bodies);
+    }
     let mut copy = shadow.spawn_empty();
-    Values::insert_all_into(&mut joint::copy(world, joint, bodies), &mut copy);
+    Values::insert_all_into(&mut parts, &mut copy);
     Some(copy.id())
 }
 

@@ -11,7 +11,7 @@ use crate::snapshot::bytes::{read, write};
 use crate::snapshot::layout::Kinds;
 use crate::snapshot::renaming::Renaming;
 use crate::state;
-use crate::state::erased::Values;
+use crate::stored::erased::Values;
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::entity::{EntityHashMap, SceneEntityMapper};
 use bevy_ecs::entity_disabling::Disabled;

@@ -9,7 +9,7 @@ use crate::snapshot::bytes::{decode, encode};
 use crate::snapshot::renaming::Renaming;
 use crate::snapshot::replace_if_other;
 use crate::state;
-use crate::state::erased::{How, In, Kind, Values};
+use crate::stored::erased::{How, In, Kind, Values};
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::EntityMapper;
 use bevy_ecs::prelude::*;

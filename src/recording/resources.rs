@@ -12,7 +12,7 @@ use crate::snapshot::SnapshotError;
 use crate::snapshot::bytes::{decode, encode, read, write};
 use crate::snapshot::renaming::Renaming;
 use crate::state;
-use crate::state::erased::{Kind, Values};
+use crate::stored::erased::{Kind, Values};
 use crate::streaming::Suspended;
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::entity::MapEntities;

@@ -12,7 +12,7 @@ use crate::snapshot::SnapshotError;
 use crate::snapshot::layout::Kinds;
 use crate::solver::sort;
 use crate::state;
-use crate::state::erased::Kind;
+use crate::stored::erased::Kind;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};

@@ -24,18 +24,18 @@ pub struct Restored {
     /// By A and B, with the length of the step before they were saved, s.
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted")
+        serde(serialize_with = "crate::stored::written::sorted")
     )]
     contacts: HashMap<[Entity; 2], (f32, SavedContact)>,
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted")
+        serde(serialize_with = "crate::stored::written::sorted")
     )]
     inside: EntityHashMap<Vec<SensorOverlap>>,
     /// The bodies, colliders and joints of the scene, with the accounts of sleeping bodies.
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted")
+        serde(serialize_with = "crate::stored::written::sorted")
     )]
     accounts: EntityHashMap<Option<Wrench>>,
 }

@@ -95,10 +95,10 @@ pub struct Sensors {
     /// By the entity of the sensor.
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted")
+        serde(serialize_with = "crate::stored::written::sorted")
     )]
     known: EntityHashMap<u32>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::state::written::tree"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::stored::written::tree"))]
     tree: Bvh,
     #[cfg_attr(feature = "serde", serde(skip))]
     workspace: BvhWorkspace,
@@ -107,7 +107,7 @@ pub struct Sensors {
     unbounded: Vec<u32>,
     #[cfg_attr(
         feature = "serde",
-        serde(serialize_with = "crate::state::written::sorted")
+        serde(serialize_with = "crate::stored::written::sorted")
     )]
     inside: HashMap<u32, SmallVec<[u32; 2]>>,
     /// Slots of bodies that joined the simulation at rest since the stage ran last: no query of active bodies has them.

@@ -7,7 +7,7 @@ use super::renaming::Renaming;
 use super::target::{NOWHERE, Rows, Target};
 use crate::body::{new_rows, newer_than};
 use crate::state;
-use crate::state::erased::{Cells, How, Kind, Slice, SliceMut, Values};
+use crate::stored::erased::{Cells, How, Kind, Slice, SliceMut, Values};
 use bevy_ecs::change_detection::{MAX_CHANGE_AGE, Tick};
 use bevy_ecs::component::{ComponentId, Components};
 use bevy_ecs::entity::{Entity, EntityMapper};

@@ -1,8 +1,8 @@
 //! New ids for the entities of a snapshot.
 
-use crate::state::erased::SliceMut;
+use crate::stored::erased::SliceMut;
 #[cfg(feature = "serde")]
-use crate::state::erased::{Kind, Slice, Values};
+use crate::stored::erased::{Kind, Slice, Values};
 use bevy_ecs::entity::{Entity, EntityHashMap, EntityMapper, SceneEntityMapper};
 #[cfg(feature = "serde")]
 use bevy_ecs::world::World;

@@ -1,7 +1,7 @@
 //! A resource in a snapshot.
 
 use super::renaming::Renaming;
-use crate::state::erased::{Kind, Values};
+use crate::stored::erased::{Kind, Values};
 use bevy_ecs::world::World;
 
 /// A resource.

@@ -6,7 +6,7 @@ use super::column::{Column, On};
 use super::layout::{Kinds, KnownKinds, own_tables};
 use super::renaming::Renaming;
 use super::target::{NOWHERE, RowsByIndex, run_with};
-use crate::state::erased::Values;
+use crate::stored::erased::Values;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
 

@@ -1,7 +1,8 @@
 //! The list as [kinds](Kind): what snapshots, recordings and previews read.
 
-use super::erased::{Kind, Values};
-use super::{Stored, Visitor, visit};
+use super::visit;
+use crate::stored::erased::{Kind, Values};
+use crate::stored::{Stored, Visitor};
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use std::any::TypeId;

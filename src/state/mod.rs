@@ -8,16 +8,10 @@
 //!
 //! The list is read with a [`Visitor`].
 
-mod clone_fields;
-pub(crate) mod erased;
 mod list;
-pub(crate) mod visitor;
-#[cfg(feature = "serde")]
-pub(crate) mod written;
 
-pub(crate) use clone_fields::{clone_fields, copy, copy_into, share};
+pub use crate::stored::{Stored, Visitor};
 pub(crate) use list::{components_of, list};
-pub use visitor::{Stored, Visitor};
 
 use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, RigidBodyDisabled, Teleport};
 use crate::broadphase::Broadphase;

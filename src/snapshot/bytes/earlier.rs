@@ -3,7 +3,7 @@
 use super::super::column::Column;
 use super::super::layout::Layout;
 use super::super::target::{NOWHERE, RowsByIndex};
-use crate::state::erased::Slice;
+use crate::stored::erased::Slice;
 
 /// A column of an earlier snapshot.
 #[derive(Clone, Copy)]

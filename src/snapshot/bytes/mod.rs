@@ -26,7 +26,7 @@ use super::layout::{Kinds, Layout, Run};
 use super::resource::Kept;
 use super::{Origin, Snapshot};
 use crate::collider::SharedShapes;
-use crate::state::erased::{How, Values};
+use crate::stored::erased::{How, Values};
 use bevy_ecs::entity::{Entity, EntityHashMap, EntityHashSet};
 use bevy_ecs::hierarchy::ChildOf;
 use earlier::Earlier;

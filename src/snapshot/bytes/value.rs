@@ -1,7 +1,7 @@
 //! Single values in postcard's format.
 
 use super::super::error::SnapshotError;
-use crate::state::erased::{Out, Slice, Values};
+use crate::stored::erased::{Out, Slice, Values};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

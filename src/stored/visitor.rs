@@ -1,4 +1,4 @@
-//! The interface through which the list of the [state](super) is read.
+//! The interface through which the list of the [state](crate::state) is read.
 
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;

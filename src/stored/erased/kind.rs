@@ -1,6 +1,6 @@
 //! What can be done with the values of a type.
 
-use crate::state::Stored;
+use crate::stored::Stored;
 use bevy_ecs::component::{Component, ComponentId, Components, StorageType};
 use bevy_ecs::entity::EntityMapper;
 use bevy_ecs::world::World;

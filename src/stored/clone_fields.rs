@@ -46,7 +46,7 @@ macro_rules! clone_fields {
 
             fn clone_from(&mut self, from: &Self) {
                 $(self.$field.clone_from(&from.$field);)+
-                $($($crate::state::share(&mut self.$shared, &from.$shared);)+)?
+                $($($crate::stored::share(&mut self.$shared, &from.$shared);)+)?
             }
         }
     };

@@ -28,7 +28,7 @@ mod whole_step;
 pub use cache::NarrowphaseCache;
 pub(crate) use cache::{CachedRelativePose, ParryCache, ParryManifold};
 pub use colliding::{CollidingEntities, colliding_entities};
-pub(crate) use columns::{PairColumns, PairsMut, PairsRef};
+pub(crate) use columns::{PairColumns, PairParts, PairsMut, PairsRef, clone_pair};
 pub(crate) use edits::{is_edited, revise_edited};
 pub(crate) use events::trigger;
 pub use events::{

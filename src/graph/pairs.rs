@@ -13,7 +13,7 @@ use crate::body::{BodyState, BodyTable, SpawnOrder};
 use crate::broadphase::Broadphase;
 use crate::contact::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, EndedPairs, LostPairs, Manifold,
-    NarrowphaseCache,
+    NarrowphaseCache, PairParts,
 };
 use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
 use crate::narrowphase::Reach;
@@ -216,11 +216,8 @@ fn spawn(world: &mut World, new: Vec<ContactPair>, restored: RestoredContacts) {
     }
     let edges: Vec<_> = new.iter().map(|pair| (pair.edge, pair.slots)).collect();
     // The required components are in the bundle, so that none is made one by one.
-    let new = new.into_iter().map(|pair| {
-        let rest = (ContactImpulses::default(), ContactAnchors::default());
-        let kept = (ContactTargets::default(), NarrowphaseCache::default());
-        (pair, Manifold::default(), rest, kept)
-    });
+    let new = new.into_iter();
+    let new = new.map(|pair| (pair, PairParts::default()));
     let count = new.len();
     let spawned: Vec<Entity> = world.spawn_batch(with_room(new, count)).collect();
     restored.fill(world, &spawned);

@@ -3,10 +3,7 @@
 use crate::DrystonePlugins;
 use crate::body::{BodyState, BodyTable, COPIED, ExternalImpulse, Pose, Sleeping, Velocity};
 use crate::children::CompoundCollider;
-use crate::contact::{
-    ContactAnchors, ContactHooks, ContactImpulses, ContactPair, ContactTargets, Manifold,
-    NarrowphaseCache,
-};
+use crate::contact::{ContactHooks, ContactPair, PairParts, PairsMut, clone_pair};
 use crate::graph::{ConstraintGraph, Drift, Islands, Wrench};
 use crate::joint;
 use crate::mortar::Mortar;
@@ -39,14 +36,7 @@ pub(super) struct OriginalState {
 }
 
 /// The components of a pair.
-pub(super) type Contact = (
-    ContactPair,
-    Manifold,
-    ContactImpulses,
-    ContactAnchors,
-    ContactTargets,
-    NarrowphaseCache,
-);
+pub(super) type Contact = (ContactPair, PairParts);
 
 /// The components of a pair, and the copies of its bodies.
 pub(super) fn contact(
@@ -54,17 +44,8 @@ pub(super) fn contact(
     pair: Entity,
     copies: &HashMap<Entity, Entity>,
 ) -> Option<([Entity; 2], Contact)> {
-    let pair = world.get_entity(pair).ok()?;
-    let ends = *pair.get::<ContactPair>()?;
-    let [a, b] = ends.bodies.map(|body| copies.get(&body).copied());
-    let contact = (
-        ends,
-        pair.get::<Manifold>()?.clone(),
-        pair.get::<ContactImpulses>()?.clone(),
-        pair.get::<ContactAnchors>()?.clone(),
-        pair.get::<ContactTargets>()?.clone(),
-        pair.get::<NarrowphaseCache>()?.clone(),
-    );
+    let contact = clone_pair(world.get_entity(pair).ok()?)?;
+    let [a, b] = contact.0.bodies.map(|body| copies.get(&body).copied());
     Some(([a?, b?], contact))
 }
 
@@ -74,14 +55,7 @@ fn take_over(
     mut original: ResMut<OriginalState>,
     mut table: ResMut<BodyTable>,
     (mut graph, mut islands): (ResMut<ConstraintGraph>, ResMut<Islands>),
-    mut pairs: Query<(
-        &mut ContactPair,
-        &mut Manifold,
-        &mut ContactImpulses,
-        &mut ContactAnchors,
-        &mut ContactTargets,
-        &mut NarrowphaseCache,
-    )>,
+    mut pairs: PairsMut,
 ) {
     let OriginalState {
         contacts,
@@ -108,12 +82,15 @@ fn take_over(
             _ => body.disturbed |= poses.remove(&body.entity).is_some(),
         }
     }
-    for (mut pair, mut manifold, mut impulses, mut anchors, mut targets, mut cache) in &mut pairs {
+    for (_, columns) in &mut pairs {
+        let (mut pair, mut cache, mut manifold, mut impulses, mut anchors, mut targets) = columns;
         if pair.bodies.iter().all(|body| poses.contains_key(body))
             && let Some(contact) = contacts.remove(&pair.bodies)
         {
             let found = *pair;
-            (*pair, *manifold, *impulses, *anchors, *targets, *cache) = contact;
+            let parts;
+            (*pair, parts) = contact;
+            (*manifold, *targets, *impulses, *anchors, *cache) = parts;
             pair.take_ends(&found);
         }
     }

@@ -114,7 +114,7 @@ impl RestoredContacts {
             let bodies = world.get::<ContactPair>(pair)?.bodies;
             let (step, mut saved) = self.0.remove(&bodies)?;
             saved.change_step(step, now);
-            Some((pair, saved.into_components()))
+            Some((pair, saved.into_parts()))
         });
         let found: Vec<_> = found.collect();
         _ = world.try_insert_batch(found);

@@ -3,7 +3,8 @@
 use super::{Saved, SavedContact};
 use crate::body::{BodyIndex, BodyTable, SpawnOrder};
 use crate::collapse::CollapseSettings;
-use crate::contact::{ContactAnchors, ContactImpulses, ContactPair, Manifold, NarrowphaseCache};
+use crate::components::holders_in;
+use crate::contact::{ContactPair, clone_pair};
 use crate::graph::Islands;
 use crate::joint::JointForces;
 use crate::sensor::SensorOverlaps;
@@ -12,20 +13,12 @@ use crate::settings::{
     StabilizationSettings, StepTime,
 };
 use crate::solver::sort;
-use bevy_ecs::component::ComponentCloneBehavior;
+use bevy_ecs::component::{ComponentCloneBehavior, Components};
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
 use std::any::TypeId;
-
-type Pairs = (
-    &'static ContactPair,
-    &'static Manifold,
-    &'static ContactImpulses,
-    &'static ContactAnchors,
-    &'static NarrowphaseCache,
-);
 
 type Numbered = (
     Entity,
@@ -42,14 +35,14 @@ type Numbered = (
 /// none of these are for you to add.
 pub fn prepare(world: &mut World) -> Vec<Entity> {
     let mut contacts: EntityHashMap<Vec<(SpawnOrder, SavedContact)>> = EntityHashMap::default();
-    let mut pairs = world.query::<Pairs>();
-    for (pair, manifold, impulses, anchors, cache) in pairs.iter(world) {
-        if manifold.points.is_empty() && !pair.announced() {
-            continue;
+    for pair in holders_in(world, &[Components::component_id::<ContactPair>]) {
+        let contact = clone_pair(world.entity(pair));
+        let contact =
+            contact.filter(|(pair, parts)| pair.announced() || !parts.0.points.is_empty());
+        if let Some((pair, parts)) = contact {
+            let of_b = contacts.entry(pair.bodies[1]).or_default();
+            of_b.push((pair.spawn_orders[0], SavedContact::new(&pair, parts)));
         }
-        let saved = SavedContact::of(pair, manifold, impulses, anchors, cache);
-        let of_b = contacts.entry(pair.bodies[1]).or_default();
-        of_b.push((pair.spawn_orders[0], saved));
     }
     let step = world.get_resource().map_or(0.0, StepTime::whole);
     let mut numbered = world.query_filtered::<Numbered, Allow<Disabled>>();

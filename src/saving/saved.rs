@@ -1,8 +1,8 @@
 //! What a scene holds of a body, a collider or a joint besides its own components.
 
 use crate::contact::{
-    CachedRelativePose, ContactAnchors, ContactImpulses, ContactPair, Manifold, NarrowphaseCache,
-    cache::Axis,
+    CachedRelativePose, ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold,
+    NarrowphaseCache, PairParts, cache::Axis,
 };
 use crate::graph::Wrench;
 use crate::joint::JointForces;
@@ -91,13 +91,9 @@ pub(super) struct Detection {
 }
 
 impl SavedContact {
-    pub(super) fn of(
-        pair: &ContactPair,
-        manifold: &Manifold,
-        impulses: &ContactImpulses,
-        anchors: &ContactAnchors,
-        cache: &NarrowphaseCache,
-    ) -> Self {
+    /// The contact of a pair.
+    pub(super) fn new(pair: &ContactPair, parts: PairParts) -> Self {
+        let (manifold, _, impulses, anchors, cache) = parts;
         let last = cache.last_pose;
         let detection = Detection {
             between: last.between,
@@ -108,9 +104,9 @@ impl SavedContact {
         Self {
             other: pair.bodies[0],
             announced: pair.announced(),
-            manifold: manifold.clone(),
-            impulses: impulses.clone(),
-            anchors: anchors.clone(),
+            manifold,
+            impulses,
+            anchors,
             detection: last.reach.is_finite().then_some(detection),
             axis: cache.axis,
         }
@@ -124,9 +120,7 @@ impl SavedContact {
     }
 
     /// The components of the pair.
-    pub(super) fn into_components(
-        self,
-    ) -> (Manifold, ContactImpulses, ContactAnchors, NarrowphaseCache) {
+    pub(super) fn into_parts(self) -> PairParts {
         let last_pose = self
             .detection
             .map_or_else(CachedRelativePose::default, |last| CachedRelativePose {
@@ -140,6 +134,7 @@ impl SavedContact {
             axis: self.axis,
             parry: None,
         };
-        (self.manifold, self.impulses, self.anchors, cache)
+        let targets = ContactTargets::default();
+        (self.manifold, targets, self.impulses, self.anchors, cache)
     }
 }

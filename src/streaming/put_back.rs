@@ -97,7 +97,7 @@ fn connect(
             (End::In(a), End::In(b)) => {
                 let mut pair = contact.pair;
                 pair.slots = [a, b];
-                bundles.push((contact.links, (pair, contact.components)));
+                bundles.push((contact.links, (pair, contact.parts)));
                 None
             }
             (End::Gone(_), _) | (_, End::Gone(_)) => {

@@ -1,9 +1,7 @@
 //! What is kept of bodies that are out.
 
 use crate::body::BodyState;
-use crate::contact::{
-    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
-};
+use crate::contact::{ContactPair, PairParts};
 use crate::graph::Wrench;
 use bevy_ecs::entity::Entity;
 use parry3d::bounding_volume::Aabb;
@@ -58,14 +56,5 @@ pub(super) struct Contact {
     pub pair: ContactPair,
     /// Whether the edge linked its bodies.
     pub links: bool,
-    pub components: Components,
+    pub parts: PairParts,
 }
-
-/// The other components of a pair.
-pub(super) type Components = (
-    Manifold,
-    ContactTargets,
-    ContactImpulses,
-    ContactAnchors,
-    NarrowphaseCache,
-);

@@ -1,30 +1,18 @@
 //! Taking bodies out.
 
 use super::StreamingError;
-use super::region::{Body, Components, Contact, Region};
+use super::region::{Body, Contact, Region};
 use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pending, RigidBodyDisabled};
 use crate::broadphase::Broadphase;
-use crate::contact::{
-    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, LostPairs, Manifold,
-    NarrowphaseCache,
-};
+use crate::contact::{LostPairs, clone_pair};
 use crate::grab::{Grab, HeldBy};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::settings::{ActiveSettings, StepTime};
 use crate::solver::sort;
 use bevy_ecs::entity::EntityHashSet;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
-
-/// The components of a pair.
-type Pairs = (
-    &'static ContactPair,
-    &'static Manifold,
-    &'static ContactTargets,
-    &'static ContactImpulses,
-    &'static ContactAnchors,
-    &'static NarrowphaseCache,
-);
 
 /// A body of the region: its slot and its entity.
 type Found = (u32, Entity);
@@ -42,9 +30,8 @@ pub fn take_out(
     if !world.contains_resource::<StepTime>() {
         return Err(StreamingError::MissingPlugin("StepPlugin"));
     }
-    let mut pairs = world.query::<Pairs>();
     let found = find(world, bodies)?;
-    let region = copy(world, &found, &mut pairs)?;
+    let region = copy(world, &found)?;
     remove(world, &found);
     Ok(region)
 }
@@ -90,11 +77,7 @@ fn find(
 }
 
 /// Copies what the simulation knows about the bodies, and checks their contacts.
-fn copy(
-    world: &World,
-    found: &[Found],
-    pairs: &mut QueryState<Pairs>,
-) -> Result<Region, StreamingError> {
+fn copy(world: &World, found: &[Found]) -> Result<Region, StreamingError> {
     let (table, graph) = (
         world.resource::<BodyTable>(),
         world.resource::<ConstraintGraph>(),
@@ -108,7 +91,6 @@ fn copy(
     };
     region.bodies.reserve_exact(found.len());
     region.contacts.reserve(3 * found.len());
-    let pairs = pairs.query_manual(world);
     for &(slot, body) in found {
         for (edge, links) in graph.edges_at(slot) {
             let other = edge.other(slot);
@@ -124,9 +106,9 @@ fn copy(
                     other: beside.entity,
                 });
             }
-            let Ok((pair, manifold, targets, impulses, anchors, cache)) =
-                pairs.get_inner(edge.pair)
-            else {
+            let pair = world.get_entity(edge.pair).ok();
+            let pair = pair.filter(|pair| !pair.contains::<Disabled>());
+            let Some((pair, parts)) = pair.and_then(clone_pair) else {
                 // The user has taken it apart, and the next step makes it anew.
                 return Err(StreamingError::NotAtRest(body));
             };
@@ -142,18 +124,7 @@ fn copy(
             if stays {
                 region.neighbours.push(beside.clone());
             }
-            let components: Components = (
-                manifold.clone(),
-                targets.clone(),
-                impulses.clone(),
-                anchors.clone(),
-                cache.clone(),
-            );
-            region.contacts.push(Contact {
-                pair: *pair,
-                links,
-                components,
-            });
+            region.contacts.push(Contact { pair, links, parts });
         }
         region.bodies.push(Body {
             state: table.get(slot).expect("it was just found").clone(),

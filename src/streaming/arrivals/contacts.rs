@@ -2,27 +2,16 @@
 
 use super::groups::Group;
 use crate::body::{BodyState, BodyTable};
-use crate::contact::{
-    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
-};
+use crate::contact::{ContactPair, PairParts};
 use crate::diagnosis::BodyProblem;
 use crate::graph::warn;
 use crate::narrowphase::Detector;
 use bevy_ecs::prelude::*;
 
-/// The components of a pair besides [`ContactPair`].
-pub(super) type Components = (
-    Manifold,
-    ContactTargets,
-    ContactImpulses,
-    ContactAnchors,
-    NarrowphaseCache,
-);
-
 /// A pair of two bodies near each other.
 pub(super) struct Contact {
     pub pair: ContactPair,
-    pub components: Components,
+    pub parts: PairParts,
     /// Whether there are contact points.
     pub links: bool,
 }
@@ -81,7 +70,7 @@ impl<'a> Contacts<'a> {
             // A contact has 600 bytes, so it is filled where it stays.
             let contact = contacts.push_mut(Contact {
                 pair: ContactPair::new(0, slots, bodies, self.detector.revision),
-                components: Components::default(),
+                parts: PairParts::default(),
                 links: false,
             });
             self.detect(bodies, contact);
@@ -95,12 +84,8 @@ impl<'a> Contacts<'a> {
     }
 
     fn detect(&self, bodies: [&BodyState; 2], contact: &mut Contact) {
-        let Contact {
-            pair,
-            components,
-            links,
-        } = contact;
-        let (manifold, targets, impulses, anchors, cache) = components;
+        let Contact { pair, parts, links } = contact;
+        let (manifold, targets, impulses, anchors, cache) = parts;
         let kept = (&mut *manifold, &mut *impulses, anchors, targets);
         self.detector.detect(bodies, pair, cache, kept);
         impulses.fit(manifold);

@@ -21,7 +21,7 @@ pub(super) fn load(group: &mut Found, table: &BodyTable, local: &[u32], context:
         let gathered: Vec<SolverContact> = { structure.contacts.iter() }
             .map(|&contact| {
                 let contact = &contacts[contact as usize];
-                let (manifold, targets, impulses, ..) = &contact.components;
+                let (manifold, targets, impulses, ..) = &contact.parts;
                 SolverContact {
                     pair: &contact.pair,
                     manifold,
@@ -37,7 +37,7 @@ pub(super) fn load(group: &mut Found, table: &BodyTable, local: &[u32], context:
         if settle(&mut island.rows, &mut island.bodies, context) {
             for (number, &contact) in structure.contacts.iter().enumerate() {
                 let contact = &mut contacts[contact as usize];
-                let (manifold, _, impulses, ..) = &mut contact.components;
+                let (manifold, _, impulses, ..) = &mut contact.parts;
                 keep(&island.rows, number, manifold, impulses, context);
                 let touches = contact.pair.touching || impulses.normal() > 0.0;
                 contact.pair.rest(touches);

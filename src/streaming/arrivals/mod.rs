@@ -325,12 +325,12 @@ fn spawn(
     let bundles = contacts.map(|contact| {
         let Contact {
             mut pair,
-            components,
+            parts,
             links,
         } = contact;
         pair.edge = graph.insert_inactive(pair.slots);
         edges.push((pair.edge, links));
-        (pair, components)
+        (pair, parts)
     });
     let room = to_reserve.unwrap_or(number);
     let pairs: Vec<Entity> = world.spawn_batch(with_room(bundles, room)).collect();

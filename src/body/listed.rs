@@ -5,12 +5,11 @@ use super::list::{body_properties, names::*};
 use super::rows::{Rows, written_rows};
 use super::{BodyProperties, RigidBody};
 use crate::diagnosis::BodyProblem;
-use crate::stored::Visitor;
+use crate::stored::{Role, Visitor};
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_transform::components::Transform;
-use std::any::TypeId;
 
 /// Whether the table has a value already: the expression of a line of the list.
 macro_rules! known {
@@ -132,22 +131,15 @@ macro_rules! listed {
             }
         }
 
-        /// The properties of a body that a copy has, as far as the body has them.
-        pub const COPIED: &[TypeId] = &[
-            $(TypeId::of::<$Pushing>(),)*
-            $(TypeId::of::<$Described>(),)*
-            $(TypeId::of::<$Kept>(),)*
-        ];
-
         /// Passes every component of the list to a visitor.
         pub fn visit(visitor: &mut impl Visitor) {
-            visitor.component::<RigidBody>();
-            $(visitor.component::<$Essential>();)*
-            $(visitor.component::<$Computed>();)*
-            $(visitor.component::<$Pushing>();)*
-            $(visitor.component::<$Optional>();)*
-            $(visitor.component::<$Described>();)*
-            $(visitor.component::<$Kept>();)*
+            visitor.component::<RigidBody>(Role::Other);
+            $(visitor.component::<$Essential>(Role::Other);)*
+            $(visitor.component::<$Computed>(Role::Other);)*
+            $(visitor.component::<$Pushing>(Role::Body);)*
+            $(visitor.component::<$Optional>(Role::Other);)*
+            $(visitor.component::<$Described>(Role::Body);)*
+            $(visitor.component::<$Kept>(Role::Body);)*
         }
 
         /// Registers all components of the list for reflection.

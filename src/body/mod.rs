@@ -62,7 +62,7 @@ pub use kept::BodyProperties;
 pub(crate) use kept_property::KeptProperty;
 #[cfg(feature = "bevy_reflect")]
 pub(crate) use listed::register;
-pub(crate) use listed::{COPIED, visit};
+pub(crate) use listed::visit;
 pub use locked_axes::LockedAxes;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
 pub(crate) use mass::{weigh, weigh_above, weigh_body, weigh_with_parts};

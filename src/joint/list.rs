@@ -5,20 +5,19 @@
 
 use super::{
     DistanceJoint, FixedJoint, GenericJoint, JointChanges, JointDefinition, JointDisabled,
-    JointEdge, JointEnds, JointForces, JointFrame, JointType, PrismaticJoint, QuarantinedJoint,
-    RevoluteJoint, SphericalJoint, SpringJoint,
+    JointEdge, JointEnds, JointFrame, JointType, PrismaticJoint, QuarantinedJoint, RevoluteJoint,
+    SphericalJoint, SpringJoint,
 };
 use crate::body::SpawnOrder;
 use crate::joint::BreakForce;
 use crate::mortar::MortarJoint;
 use crate::solver::sort;
-use crate::stored::Visitor;
 use crate::stored::erased::Values;
+use crate::stored::{Role, Visitor};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
-use std::any::TypeId;
 
 macro_rules! joint_types {
     ($($Type:ident),+ $(,)?) => {
@@ -77,13 +76,6 @@ macro_rules! joint_types {
             })+
         }
 
-        /// The components of a joint that a copy has.
-        pub(crate) const COPIED: &[TypeId] = &[
-            TypeId::of::<JointForces>(),
-            TypeId::of::<BreakForce>(),
-            $(TypeId::of::<$Type>(),)+
-        ];
-
         /// Lets a joint join other bodies. Components that are no joints stay as they are.
         pub(crate) fn set_bodies(component: &mut Values, bodies: [Option<Entity>; 2]) {
             $(if let Some([joint]) = component.as_mut().typed::<$Type>() {
@@ -99,7 +91,7 @@ macro_rules! joint_types {
 
         /// Passes every joint type to a visitor.
         pub(crate) fn visit(visitor: &mut impl Visitor) {
-            $(visitor.component::<$Type>();)+
+            $(visitor.component::<$Type>(Role::Joint);)+
         }
     };
 }

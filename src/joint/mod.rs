@@ -100,7 +100,7 @@ pub use frame::{JointAnchor, JointBasis, JointFrame};
 pub use generic::{GenericJoint, JointAxes};
 #[cfg(feature = "bevy_reflect")]
 pub(crate) use list::register;
-pub(crate) use list::{COPIED, added, look_again, set_bodies, visit};
+pub(crate) use list::{added, look_again, set_bodies, visit};
 pub use prismatic::PrismaticJoint;
 pub use query::{BodyJoint, Joints, joints_of};
 pub use revolute::RevoluteJoint;

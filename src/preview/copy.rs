@@ -1,18 +1,14 @@
 //! Copies of bodies and contacts, in a world with the same settings.
 
 use crate::DrystonePlugins;
-use crate::body::{BodyState, BodyTable, COPIED, ExternalImpulse, Pose, Sleeping, Velocity};
+use crate::body::{BodyState, BodyTable, ExternalImpulse, Pose, Sleeping, Velocity};
 use crate::children::CompoundCollider;
 use crate::contact::{ContactHooks, ContactPair, PairParts, PairsMut, clone_pair};
 use crate::graph::{ConstraintGraph, Drift, Islands, Wrench};
 use crate::joint;
-use crate::mortar::Mortar;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
-use crate::settings::{
-    ActiveSettings, Gravity, NarrowphaseSettings, SleepSettings, SolverSettings, SpeedLimits,
-    StabilizationSettings, StepTime,
-};
-use crate::state::{self, components_of};
+use crate::settings::{ActiveSettings, SleepSettings, StepTime};
+use crate::state::{self, Role, copy_settings, parts_of};
 use crate::stored::erased::Values;
 use bevy_app::App;
 use bevy_ecs::entity::EntityHashSet;
@@ -121,12 +117,8 @@ pub(super) fn empty(world: &World) -> World {
             .before(PhysicsSystems::Narrowphase),
     );
     let mut shadow = std::mem::take(app.world_mut());
-    shadow.insert_resource(*world.resource::<Gravity>());
-    shadow.insert_resource(*world.resource::<StabilizationSettings>());
-    shadow.insert_resource(*world.resource::<NarrowphaseSettings>());
-    shadow.insert_resource(*world.resource::<SpeedLimits>());
+    copy_settings(world, &mut shadow);
     shadow.insert_resource(*world.resource::<StepTime>());
-    shadow.insert_resource(world.resource::<SolverSettings>().clone());
     if let Some(hooks) = world.get_resource::<ContactHooks>() {
         shadow.insert_resource(hooks.clone());
     }
@@ -179,8 +171,7 @@ pub(super) fn copy(
         with(impulse),
         with(sleeping),
     ];
-    parts.extend(components_of(world, body.entity, COPIED));
-    parts.extend(components_of(world, body.entity, &[TypeId::of::<Mortar>()]));
+    parts.extend(parts_of(world, body.entity, Role::Body));
     // The parts of the original are not copied.
     for part in &mut parts {
         if let Some([compound]) = part.as_mut().typed::<CompoundCollider>() {
@@ -204,7 +195,7 @@ pub(super) fn copy_joint(
     bodies: [Option<Entity>; 2],
 ) -> Option<Entity> {
     world.get_entity(joint).ok()?;
-    let mut parts = components_of(world, joint, joint::COPIED);
+    let mut parts = parts_of(world, joint, Role::Joint);
     for part in &mut parts {
         joint::set_bodies(part, bodies);
     }

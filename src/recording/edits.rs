@@ -4,7 +4,7 @@
 //! replay need not repeat the order of the actions, and a value that was written twice is recorded once.
 
 use super::kinds;
-use super::resources::{AnyResource, Value};
+use super::resources::{Resource, Value};
 use crate::body::SpawnOrder;
 use crate::snapshot::SnapshotError;
 use crate::snapshot::bytes::{read, write};
@@ -100,12 +100,12 @@ struct Column {
 pub(super) struct Edits {
     touched: Touched,
     columns: Vec<Column>,
-    resources: Vec<Box<dyn Value>>,
+    resources: Vec<Value>,
 }
 
 impl Edits {
     /// Reads edits.
-    pub fn read(from: &mut &[u8], known: &[Box<dyn AnyResource>]) -> Result<Self, SnapshotError> {
+    pub fn read(from: &mut &[u8], known: &[Resource]) -> Result<Self, SnapshotError> {
         let (touched, numbers) = Touched::read(from)?;
         let mut columns = Vec::new();
         for (kind, &of) in state::list().components.iter().enumerate() {

@@ -1,42 +1,15 @@
 //! What recording and replay do with each component on the list of the [state](crate::state).
 
-use crate::body::{Inactive, new_rows, newer_than};
-use crate::contact::{
-    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
-};
+use crate::body::{new_rows, newer_than};
 use crate::snapshot::SnapshotError;
 use crate::snapshot::bytes::{decode, encode};
 use crate::snapshot::renaming::Renaming;
 use crate::snapshot::replace_if_other;
-use crate::state;
+use crate::stored::Role;
 use crate::stored::erased::{How, In, Kind, Values};
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::EntityMapper;
 use bevy_ecs::prelude::*;
-use std::any::TypeId;
-
-/// Whether it is a component of Bevy, which entities have that have nothing to do with drystone.
-pub(super) fn is_shared(kind: Kind) -> bool {
-    state::is_of_bevy(kind.type_id())
-}
-
-/// Whether it is a component of pairs, which only stages spawn.
-pub(super) fn is_of_pair(kind: Kind) -> bool {
-    let of_pairs = [
-        TypeId::of::<ContactPair>(),
-        TypeId::of::<Manifold>(),
-        TypeId::of::<ContactTargets>(),
-        TypeId::of::<ContactImpulses>(),
-        TypeId::of::<ContactAnchors>(),
-        TypeId::of::<NarrowphaseCache>(),
-    ];
-    of_pairs.contains(&kind.type_id())
-}
-
-/// Whether users remove it.
-pub(super) fn is_removed_by_users(kind: Kind) -> bool {
-    !is_of_pair(kind) && kind.type_id() != TypeId::of::<Inactive>()
-}
 
 /// Finds the entities for which a component was inserted or written after `since`. Tables in which no entity is drystone's are left out by
 /// `is_own`.
@@ -48,9 +21,8 @@ pub(super) fn find_written(
     found: &mut Vec<Entity>,
 ) {
     let is_new = newer_than(since, world.read_change_tick());
-    let is_shared = is_shared(kind);
     for cells in kind.read(world).map_or_else(Vec::new, In::all) {
-        if !is_shared || is_own(cells.entities[0]) {
+        if kind.role != Role::Bevy || is_own(cells.entities[0]) {
             let written = new_rows(cells.changed, is_new);
             found.extend(written.map(|row| cells.entities[row]));
         }
@@ -72,7 +44,7 @@ pub(super) fn write(
     Values::of(cells.values)
         .as_mut()
         .map(&mut Referred(referred));
-    match kind.how() {
+    match kind.how {
         How::Valueless => Ok(()),
         _ => encode(cells.values, out),
     }
@@ -81,7 +53,7 @@ pub(super) fn write(
 /// Adds the entities that the values of all entities refer to.
 pub(super) fn find_referred(kind: Kind, world: &World, referred: &mut Vec<Entity>) {
     // Bevy's own components refer to entities above others, which every snapshot has.
-    if is_shared(kind) || is_of_pair(kind) {
+    if matches!(kind.role, Role::Bevy | Role::Pair) {
         return;
     }
     let mut values = Values::new(kind);
@@ -146,7 +118,7 @@ pub(super) fn put(
 /// Gives an entity a value, which was written or only kept. It is marked as changed only if it differs.
 fn put_one(value: &mut Values, world: &mut World, entity: Entity, is_written: bool) {
     let kind = value.kind();
-    if kind.how() == How::Replaced {
+    if kind.how == How::Replaced {
         replace_if_other(world, entity, value);
         return;
     }
@@ -154,7 +126,7 @@ fn put_one(value: &mut Values, world: &mut World, entity: Entity, is_written: bo
     if let Some(mut known) = kind.write(world)
         && let Some(mut cells) = known.entity(entity)
     {
-        match kind.how() {
+        match kind.how {
             How::Valueless => (),
             How::Silent => cells.values.swap(&mut value.as_mut()),
             _ => {

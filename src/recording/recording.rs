@@ -5,7 +5,7 @@ use super::digest::Digest;
 use super::edits::Edits;
 use super::error::RecordingError;
 use super::recorder::flags;
-use super::resources::{self, AnyResource};
+use super::resources::{self, Resource};
 use crate::collider::SharedShapes;
 use crate::settings::STEP_LENGTHS;
 use crate::snapshot::bytes::read;
@@ -142,7 +142,7 @@ impl From<SnapshotError> for NotRead {
 }
 
 struct Reader {
-    resources: Vec<Box<dyn AnyResource>>,
+    resources: Vec<Resource>,
     steps: Vec<Step>,
 }
 

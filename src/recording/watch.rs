@@ -5,13 +5,14 @@
 //! component, because nothing else tells of it. So a step before which nothing was changed costs a look at each column of each table.
 
 use super::edits::{Row, Touched};
-use super::kinds::{self, is_of_pair, is_shared};
-use super::resources::{self, AnyResource};
+use super::kinds;
+use super::resources::{self, Resource};
 use crate::body::{Pose, Quarantined, RigidBodyDisabled, SpawnOrder};
 use crate::snapshot::SnapshotError;
 use crate::snapshot::layout::Kinds;
 use crate::solver::sort;
 use crate::state;
+use crate::stored::Role;
 use crate::stored::erased::Kind;
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::component::ComponentId;
@@ -51,6 +52,11 @@ struct Columns {
     is_own: bool,
 }
 
+/// Whether users add and remove a component of drystone. Entities that have one are drystone's.
+fn is_own(kind: Kind) -> bool {
+    !matches!(kind.role, Role::Bevy | Role::Pair)
+}
+
 /// Watches a world.
 pub(super) struct Watch {
     kinds: &'static [Kind],
@@ -59,7 +65,7 @@ pub(super) struct Watch {
     transform: ComponentId,
     /// Those that are not kept in tables.
     sparse: Kinds,
-    resources: Vec<Box<dyn AnyResource>>,
+    resources: Vec<Resource>,
     resource_ids: Vec<ComponentId>,
     /// By table.
     tables: Vec<Columns>,
@@ -91,7 +97,7 @@ impl Watch {
             transform: world.register_component::<Transform>(),
             kinds,
             sparse,
-            resource_ids: resources.iter().map(|of| of.register(world)).collect(),
+            resource_ids: resources.iter().map(|of| of.kind.register(world)).collect(),
             resources,
             tables: Vec::new(),
             known: EntityHashSet::default(),
@@ -106,7 +112,7 @@ impl Watch {
     /// The components whose removal is to be noted.
     pub fn removable(&self) -> impl Iterator<Item = ComponentId> {
         let kinds = self.kinds.iter().zip(&self.ids);
-        let kinds = kinds.filter(|(kind, _)| kinds::is_removed_by_users(**kind));
+        let kinds = kinds.filter(|(kind, _)| !matches!(kind.role, Role::Pair | Role::Stages));
         kinds.map(|(_, &id)| id)
     }
 
@@ -144,18 +150,21 @@ impl Watch {
 
     fn is_own(&self, entity: EntityRef) -> bool {
         let mut kinds = self.kinds.iter().zip(&self.ids);
-        kinds.any(|(&kind, &id)| !is_shared(kind) && !is_of_pair(kind) && entity.contains_id(id))
+        kinds.any(|(&kind, &id)| is_own(kind) && entity.contains_id(id))
     }
 
     fn is_pair(&self, entity: EntityRef) -> bool {
         let mut kinds = self.kinds.iter().zip(&self.ids);
-        kinds.any(|(&kind, &id)| is_of_pair(kind) && entity.contains_id(id))
+        kinds.any(|(&kind, &id)| kind.role == Role::Pair && entity.contains_id(id))
     }
 
     /// Finds what was changed since the last step ended, and appends it to bytes.
     pub fn find(&mut self, world: &World, out: &mut Vec<u8>) -> Result<Found, SnapshotError> {
         let mut written = self.written_resources(world);
-        if written.iter().any(|&at| self.resources[at].is_of_stages()) {
+        if written
+            .iter()
+            .any(|&at| self.resources[at].kind.role == Role::Stages)
+        {
             return Ok(Found::Replaced);
         }
         self.touched.gone.clear();
@@ -170,7 +179,7 @@ impl Watch {
         }
         if !self.touched.is_empty() {
             let noted = self.resources.iter().enumerate();
-            let noted = noted.filter(|(_, resource)| resource.is_of_hooks());
+            let noted = noted.filter(|(_, resource)| resource.kind.role == Role::Hooks);
             written.extend(noted.map(|(number, _)| number));
             written.sort_unstable();
             written.dedup();
@@ -273,8 +282,8 @@ impl Watch {
             is_own: false,
         };
         for (number, (&kind, &id)) in self.kinds.iter().zip(&self.ids).enumerate() {
-            if !is_of_pair(kind) && table.has_column(id) {
-                columns.is_own |= !is_shared(kind);
+            if kind.role != Role::Pair && table.has_column(id) {
+                columns.is_own |= is_own(kind);
                 match table.get_summary_tick(id) {
                     Some(_) => columns.summed.push((number, id)),
                     None => columns.others.insert(number),
@@ -296,7 +305,7 @@ impl Watch {
             };
             self.others.push(entity);
             for number in 0..self.kinds.len() {
-                if is_shared(self.kinds[number])
+                if self.kinds[number].role == Role::Bevy
                     && let Some(ticks) = known.get_change_ticks_by_id(self.ids[number])
                     && ticks.is_changed(self.since, now)
                 {

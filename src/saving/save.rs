@@ -2,17 +2,14 @@
 
 use super::{Saved, SavedContact};
 use crate::body::{BodyIndex, BodyTable, SpawnOrder};
-use crate::collapse::CollapseSettings;
 use crate::components::holders_in;
 use crate::contact::{ContactPair, clone_pair};
 use crate::graph::Islands;
 use crate::joint::JointForces;
 use crate::sensor::SensorOverlaps;
-use crate::settings::{
-    Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings, SpeedLimits,
-    StabilizationSettings, StepTime,
-};
+use crate::settings::StepTime;
 use crate::solver::sort;
+use crate::state::{self, Role};
 use bevy_ecs::component::{ComponentCloneBehavior, Components};
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::entity_disabling::Disabled;
@@ -95,16 +92,7 @@ pub fn computed(world: &World) -> impl Iterator<Item = TypeId> {
 
 /// The types of the resources that a scene may hold: the settings, and the lengths of the last steps.
 pub fn settings() -> impl Iterator<Item = TypeId> {
-    [
-        TypeId::of::<Gravity>(),
-        TypeId::of::<StabilizationSettings>(),
-        TypeId::of::<NarrowphaseSettings>(),
-        TypeId::of::<SolverSettings>(),
-        TypeId::of::<SleepSettings>(),
-        TypeId::of::<SpeedLimits>(),
-        TypeId::of::<CollapseSettings>(),
-        TypeId::of::<PhysicsTime>(),
-        TypeId::of::<StepTime>(),
-    ]
-    .into_iter()
+    let resources = state::list().resources.iter();
+    let saved = resources.filter(|kind| matches!(kind.role, Role::Setting | Role::Time));
+    saved.map(|kind| kind.type_id())
 }

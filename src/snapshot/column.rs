@@ -6,7 +6,7 @@ use super::layout::Layout;
 use super::renaming::Renaming;
 use super::target::{NOWHERE, Rows, Target};
 use crate::body::{new_rows, newer_than};
-use crate::state;
+use crate::stored::Role;
 use crate::stored::erased::{Cells, How, Kind, Slice, SliceMut, Values};
 use bevy_ecs::change_detection::{MAX_CHANGE_AGE, Tick};
 use bevy_ecs::component::{ComponentId, Components};
@@ -59,7 +59,7 @@ impl Column {
 
     /// Whether it is a component of Bevy, which other entities have as well.
     pub fn is_shared(&self) -> bool {
-        state::is_of_bevy(self.kind.type_id())
+        self.kind.role == Role::Bevy
     }
 
     /// The component, if the world knows it and keeps it in tables.
@@ -156,7 +156,7 @@ impl Column {
 
     /// Replaces values that cannot be written in place. Returns true if there were any.
     pub fn replace(&self, world: &mut World, on: On, to: &mut Renaming) -> bool {
-        if self.kind.how() != How::Replaced {
+        if self.kind.how != How::Replaced {
             return false;
         }
         let mut any = false;
@@ -180,7 +180,7 @@ impl Column {
     pub fn write(&self, kind: usize, world: &mut World, target: &Target, to: &mut Renaming) {
         if self.kind.is_sparse() {
             self.write_sparse(world, to);
-        } else if target.layout.has(kind) && self.kind.how() != How::Replaced {
+        } else if target.layout.has(kind) && self.kind.how != How::Replaced {
             // No entity of drystone's has a component that none had in the snapshot. Those that can only be replaced were.
             self.write_in_place(world, target, to);
         }
@@ -211,7 +211,7 @@ impl Column {
         let layout = target.layout;
         let now = world.change_tick();
         let old = Tick::new(now.get().wrapping_sub(MAX_CHANGE_AGE));
-        let how = self.kind.how();
+        let how = self.kind.how;
         let mut places: Vec<Place> = Vec::new();
         let mut scratch = Scratch {
             renamed: Values::new(self.kind),
@@ -382,7 +382,7 @@ impl Scratch {
     /// Writes values over others, and notes those that differed, if they are compared.
     fn set(&mut self, values: &mut SliceMut, from: Slice, to: &mut Renaming) {
         let Self { renamed, changed } = self;
-        let is_compared = matches!(from.kind().how(), How::Marked | How::Output);
+        let is_compared = matches!(from.kind().how, How::Marked | How::Output);
         if !is_compared {
             // In the memory that they have.
             values.clone_from(from);

@@ -1,8 +1,8 @@
 //! The list as [kinds](Kind): what snapshots, recordings and previews read.
 
 use super::visit;
-use crate::stored::erased::{Kind, Values};
-use crate::stored::{Stored, Visitor};
+use crate::stored::erased::{How, Kind, Values};
+use crate::stored::{Role, Stored, Visitor};
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use std::any::TypeId;
@@ -32,14 +32,25 @@ pub(crate) fn list() -> &'static List {
     &LIST
 }
 
-/// The components of these types that an entity has, as lists of one value.
-pub(crate) fn components_of(world: &World, entity: Entity, types: &[TypeId]) -> Vec<Values> {
-    let kinds = types.iter().map(|&id| list().component(id));
+/// The components with a role that an entity has, as lists of one value.
+pub(crate) fn parts_of(world: &World, entity: Entity, role: Role) -> Vec<Values> {
+    let kinds = list().components.iter().filter(|kind| kind.role == role);
     let found = kinds.filter_map(|kind| {
         let cells = kind.read(world)?.entity(entity)?;
         Some(Values::of(cells.values))
     });
     found.collect()
+}
+
+/// Gives a world the settings of another one, except those of plugins that it lacks.
+pub(crate) fn copy_settings(from: &World, to: &mut World) {
+    let settings = list().resources.iter();
+    for setting in settings.filter(|kind| kind.role == Role::Setting) {
+        let value = |world| setting.read(world)?.resource();
+        if let (Some(setting), Some(_)) = (value(from), value(to)) {
+            Values::of(setting.values).insert_resource(to);
+        }
+    }
 }
 
 impl List {
@@ -62,32 +73,33 @@ impl List {
 }
 
 impl Visitor for List {
-    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
-        self.components.push(Kind::marked::<T>());
+    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self, role: Role) {
+        self.components.push(Kind::compared::<T>(How::Marked, role));
     }
 
-    fn output<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
-        self.components.push(Kind::output::<T>());
+    fn output<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self, role: Role) {
+        self.components.push(Kind::compared::<T>(How::Output, role));
     }
 
-    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {
-        self.components.push(Kind::silent::<T>());
+    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self, role: Role) {
+        self.components.push(Kind::stored::<T>(How::Silent, role));
     }
 
-    fn immutable<T: Component + Stored + PartialEq>(&mut self) {
-        self.components.push(Kind::replaced::<T>());
+    fn immutable<T: Component + Stored + PartialEq>(&mut self, role: Role) {
+        self.components
+            .push(Kind::compared::<T>(How::Replaced, role));
     }
 
-    fn marker<T: Component<Mutability = Mutable> + Clone + Debug + Default>(&mut self) {
-        self.components.push(Kind::valueless::<T>());
+    fn marker<T: Component<Mutability = Mutable> + Clone + Debug + Default>(&mut self, role: Role) {
+        self.components.push(Kind::valueless::<T>(role));
     }
 
-    fn code<T: Resource + Component<Mutability = Mutable> + Clone + Debug>(&mut self) {
-        self.resources.push(Kind::code::<T>());
+    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self, role: Role) {
+        self.resources.push(Kind::stored::<T>(How::Resource, role));
     }
 
-    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {
-        self.resources.push(Kind::resource::<T>());
+    fn code<T: Resource + Component<Mutability = Mutable> + Clone + Debug>(&mut self, role: Role) {
+        self.resources.push(Kind::code::<T>(role));
     }
 
     fn derived<T: Resource + Default>(&mut self) {

@@ -6,12 +6,13 @@
 //!
 //! Components and resources that refer to entities map them with [`Component::map_entities`](bevy_ecs::component::Component::map_entities).
 //!
-//! The list is read with a [`Visitor`].
+//! The list is read with a [`Visitor`]. To add a component, write it in a file of its own, and add its name to the group of those that are
+//! treated like it: here, or in the lists of [body properties](crate::body) and [joint types](crate::joint).
 
 mod list;
 
-pub use crate::stored::{Stored, Visitor};
-pub(crate) use list::{components_of, list};
+pub use crate::stored::{Role, Stored, Visitor};
+pub(crate) use list::{copy_settings, list, parts_of};
 
 use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, RigidBodyDisabled, Teleport};
 use crate::broadphase::Broadphase;
@@ -43,61 +44,68 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::name::Name;
 use bevy_transform::components::Transform;
-use std::any::TypeId;
 
-/// Returns true for a component of Bevy, which entities have that have nothing to do with drystone.
-pub(crate) fn is_of_bevy(id: TypeId) -> bool {
-    let of_bevy = [
-        TypeId::of::<Transform>(),
-        TypeId::of::<ChildOf>(),
-        TypeId::of::<Name>(),
-        TypeId::of::<Disabled>(),
-    ];
-    of_bevy.contains(&id)
+/// Makes [`visit`] and [`register`] of groups of types. A group names the method of [`Visitor`] for its types and their [`Role`]. Types of
+/// a group that is `hidden` are not registered for reflection.
+macro_rules! state {
+    (derived { $($Derived:ident),+ } $($method:ident $role:ident $($hidden:ident)? { $($Type:ident),+ })+) => {
+        /// Passes every type on the list to a visitor. Components come before resources, because inserting some components changes
+        /// counters in resources.
+        pub fn visit(visitor: &mut impl Visitor) {
+            body::visit(visitor);
+            joint::visit(visitor);
+            $($(visitor.$method::<$Type>(Role::$role);)+)+
+            $(visitor.derived::<$Derived>();)+
+        }
+
+        /// Registers the types on the list for reflection.
+        #[cfg(feature = "bevy_reflect")]
+        pub(crate) fn register(app: &mut bevy_app::App) {
+            body::register(app);
+            joint::register(app);
+            $(register!(app $($hidden)? { $($Type)+ });)+
+        }
+    };
 }
 
-/// Passes every type on the list to a visitor. Components come before resources, because inserting some components changes counters in
-/// resources.
-pub fn visit(visitor: &mut impl Visitor) {
-    macro_rules! list {
-        ($method:ident: $($type:ty),+ $(,)?) => {
-            $(visitor.$method::<$type>();)+
-        };
-    }
-    // Bodies, written by users and stages.
-    body::visit(visitor);
-    list!(internal: Inactive);
-    list!(component: Quarantined, RigidBodyDisabled, Teleport, GrabForce, HeldBy);
-    list!(component: CollidingEntities, ContactForceEvents, Watch, Stands);
-    list!(output: Load);
+#[cfg(feature = "bevy_reflect")]
+macro_rules! register {
+    ($app:ident { $($Type:ident)+ }) => {
+        $($app.register_type::<$Type>();)+
+    };
+    ($app:ident hidden { $($Type:ident)+ }) => {};
+}
+
+state! {
+    derived { Pending, IslandProblems }
+
+    component Other { Quarantined, RigidBodyDisabled, Teleport, GrabForce, HeldBy, CollidingEntities, ContactForceEvents, Watch }
+    component Other hidden { Stands }
+    component Body { Mortar }
+    output Other { Load }
+    internal Stages hidden { Inactive }
     // Colliders.
-    list!(component: ColliderOf, ImplicitBody, Sensor, SensorOverlaps);
+    component Other { ColliderOf, ImplicitBody, Sensor, SensorOverlaps }
     // Entities of a scene that was just loaded.
-    list!(internal: Saved);
-    // Hands.
-    list!(component: HandState, Hand);
-    // Characters.
-    list!(component: CharacterState, Character);
+    internal Other { Saved }
+    // Hands and characters.
+    component Other { HandState, Hand, CharacterState, Character }
     // Joints.
-    joint::visit(visitor);
-    list!(internal: JointEdge);
-    list!(component: JointForces, BreakForce, JointDisabled, QuarantinedJoint);
-    list!(component: Mortar);
-    // Any entity: components of Bevy that drystone reads.
-    list!(component: Transform, Name);
-    list!(immutable: ChildOf);
-    list!(marker: Disabled);
-    // Pairs.
-    list!(internal: ContactPair, Manifold, ContactTargets, ContactImpulses, ContactAnchors, NarrowphaseCache);
+    component Joint { JointForces, BreakForce }
+    component Other { JointDisabled, QuarantinedJoint }
+    internal Other hidden { JointEdge }
+    // Any entity: components that drystone reads.
+    component Bevy { Transform, Name }
+    immutable Bevy { ChildOf }
+    marker Bevy { Disabled }
+    internal Pair { ContactPair, Manifold, ContactTargets, ContactImpulses, ContactAnchors }
+    internal Pair hidden { NarrowphaseCache }
 
-    list!(resource: Gravity, StabilizationSettings, NarrowphaseSettings, SolverSettings);
-    list!(resource: SleepSettings, SpeedLimits, CollapseSettings, PhysicsTime);
-    list!(code: ContactHooks);
-    list!(resource: ActiveSettings, StepTime);
-    list!(resource: BodyTable, Broadphase, ConstraintGraph, Islands, LostPairs);
-    list!(resource: Suspects, Told, EndedPairs, Untriggered, Structures, MovingSurfaces);
-    list!(resource: JointChanges, BrokenJoints, BrokenMortar);
-    list!(resource: Unassembled, Sensors, UntriggeredSensorEvents, Restored, Suspended, Arrivals);
-
-    list!(derived: Pending, IslandProblems);
+    resource Setting { Gravity, StabilizationSettings, NarrowphaseSettings, SolverSettings, SleepSettings, SpeedLimits, CollapseSettings }
+    resource Time { PhysicsTime, StepTime }
+    code Other hidden { ContactHooks }
+    resource Hooks hidden { BodyTable, JointChanges, Unassembled }
+    resource Stages hidden { Broadphase, ConstraintGraph, Islands, LostPairs, Suspended }
+    resource Events hidden { Untriggered, UntriggeredSensorEvents, BrokenJoints, BrokenMortar }
+    resource Other hidden { ActiveSettings, Suspects, Told, EndedPairs, Structures, MovingSurfaces, Sensors, Restored, Arrivals }
 }

@@ -9,4 +9,4 @@ mod visitor;
 pub(crate) mod written;
 
 pub(crate) use clone_fields::{clone_fields, copy, copy_into, share};
-pub use visitor::{Stored, Visitor};
+pub use visitor::{Role, Stored, Visitor};

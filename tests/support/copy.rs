@@ -1,9 +1,9 @@
 //! The state of a world, copied into another world: exactly what is on the list of [`drystone::state`].
 
-use bevy_ecs::component::{ComponentId, Components, Mutable};
+use bevy_ecs::component::{ComponentId, Components};
 use bevy_ecs::entity::{EntityHashMap, SceneEntityMapper};
 use bevy_ecs::prelude::*;
-use drystone::state::{Stored, Visitor, visit};
+use drystone::state::{Visitor, visit};
 use std::fmt::Debug;
 
 /// Replaces the state of a world by that of another one, which goes on there to the same bits. The two must have the same plugins.
@@ -52,27 +52,9 @@ struct OnTheList<'a> {
 }
 
 impl Visitor for OnTheList<'_> {
-    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
+    fn any_component<T: Component + Clone + Debug>(&mut self) {
         self.ids.extend(self.components.component_id::<T>());
     }
-
-    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {
-        self.ids.extend(self.components.component_id::<T>());
-    }
-
-    fn immutable<T: Component + Stored + PartialEq>(&mut self) {
-        self.ids.extend(self.components.component_id::<T>());
-    }
-
-    fn marker<T: Component<Mutability = Mutable> + Clone + Debug + Default>(&mut self) {
-        self.ids.extend(self.components.component_id::<T>());
-    }
-
-    fn code<T: Resource + Component<Mutability = Mutable> + Clone + Debug>(&mut self) {}
-
-    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {}
-
-    fn derived<T: Resource + Default>(&mut self) {}
 }
 
 struct Copier<'a, 'm> {
@@ -83,8 +65,8 @@ struct Copier<'a, 'm> {
     pairs: Vec<(Entity, Entity)>,
 }
 
-impl Copier<'_, '_> {
-    fn copy<T: Component + Clone>(&mut self) {
+impl Visitor for Copier<'_, '_> {
+    fn any_component<T: Component + Clone + Debug>(&mut self) {
         for &(original, copy) in &self.pairs {
             if let Some(component) = self.from.get::<T>(original) {
                 let mut component = component.clone();
@@ -94,38 +76,12 @@ impl Copier<'_, '_> {
         }
     }
 
-    fn copy_resource<T: Resource + Clone>(&mut self) {
+    fn any_resource<T: Resource + Clone + Debug>(&mut self) {
         if let Some(resource) = self.from.get_resource::<T>() {
             let mut resource = resource.clone();
             T::map_entities(&mut resource, self.mapper);
             self.to.insert_resource(resource);
         }
-    }
-}
-
-impl Visitor for Copier<'_, '_> {
-    fn component<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self) {
-        self.copy::<T>();
-    }
-
-    fn internal<T: Component<Mutability = Mutable> + Stored>(&mut self) {
-        self.copy::<T>();
-    }
-
-    fn immutable<T: Component + Stored + PartialEq>(&mut self) {
-        self.copy::<T>();
-    }
-
-    fn marker<T: Component<Mutability = Mutable> + Clone + Debug + Default>(&mut self) {
-        self.copy::<T>();
-    }
-
-    fn code<T: Resource + Component<Mutability = Mutable> + Clone + Debug>(&mut self) {
-        self.copy_resource::<T>();
-    }
-
-    fn resource<T: Resource + Component<Mutability = Mutable> + Stored>(&mut self) {
-        self.copy_resource::<T>();
     }
 
     fn derived<T: Resource + Default>(&mut self) {

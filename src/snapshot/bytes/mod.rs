@@ -36,7 +36,7 @@ use stream::{Reader, Writer};
 const NAME: &[u8; 8] = b"DRYSTONE";
 
 /// The version of the format.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// The name of the [slips] in messages.
 const SLIPS: &str = "valid slips";
@@ -239,7 +239,7 @@ impl Column {
         earlier: Earlier,
         to: &mut Writer,
     ) -> Result<(), SnapshotError> {
-        if self.kind.how() == How::Valueless {
+        if self.kind.how == How::Valueless {
             return Ok(());
         }
         for (index, row) in self.rows(layout).into_iter().enumerate() {
@@ -297,7 +297,7 @@ impl Column {
             from.take_with(append, &mut |from| decode(from, values))
         };
         self.fill(kind, layout, fill)?;
-        if self.kind.how() == How::Valueless {
+        if self.kind.how == How::Valueless {
             return Ok(());
         }
         let old = earlier.column;

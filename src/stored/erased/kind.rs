@@ -1,6 +1,6 @@
 //! What can be done with the values of a type.
 
-use crate::stored::Stored;
+use crate::stored::{Role, Stored};
 use bevy_ecs::component::{Component, ComponentId, Components, StorageType};
 use bevy_ecs::entity::EntityMapper;
 use bevy_ecs::world::World;
@@ -29,7 +29,11 @@ pub(crate) enum How {
 
 /// A type on the list of the [state](crate::state).
 #[derive(Clone, Copy)]
-pub(crate) struct Kind(&'static Functions);
+pub(crate) struct Kind {
+    functions: &'static Functions,
+    pub how: How,
+    pub role: Role,
+}
 
 impl Debug for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -42,7 +46,6 @@ impl Debug for Kind {
 pub(super) struct Functions {
     id: TypeId,
     name: fn() -> &'static str,
-    how: How,
     storage: StorageType,
     register: fn(&mut World) -> ComponentId,
     pub layout: Layout,
@@ -105,7 +108,6 @@ impl<T: Component + Clone + Debug> Of<T> {
     const PLAIN: Functions = Functions {
         id: TypeId::of::<T>(),
         name: std::any::type_name::<T>,
-        how: How::Resource,
         storage: T::STORAGE_TYPE,
         register: World::register_component::<T>,
         layout: Layout::new::<T>(),
@@ -127,7 +129,7 @@ impl<T: Component + Clone + Debug> Of<T> {
 }
 
 impl<T: Component + Stored> Of<T> {
-    const STORED: Functions = Functions {
+    const WRITTEN: Functions = Functions {
         #[cfg(feature = "serde")]
         code: Some(Code {
             encode: encode::<T>,
@@ -135,35 +137,18 @@ impl<T: Component + Stored> Of<T> {
         }),
         ..Self::PLAIN
     };
-    const RESOURCE: &Functions = &Self::STORED;
-    const SILENT: &Functions = &Functions {
-        how: How::Silent,
-        ..Self::STORED
-    };
+    const STORED: &Functions = &Self::WRITTEN;
 }
 
 impl<T: Component + Stored + PartialEq> Of<T> {
-    const COMPARED: Functions = Functions {
+    const COMPARED: &Functions = &Functions {
         first_difference: Some(first_difference::<T>),
-        ..Self::STORED
-    };
-    const MARKED: &Functions = &Functions {
-        how: How::Marked,
-        ..Self::COMPARED
-    };
-    const OUTPUT: &Functions = &Functions {
-        how: How::Output,
-        ..Self::COMPARED
-    };
-    const REPLACED: &Functions = &Functions {
-        how: How::Replaced,
-        ..Self::COMPARED
+        ..Self::WRITTEN
     };
 }
 
 impl<T: Component + Clone + Debug + Default> Of<T> {
     const VALUELESS: &Functions = &Functions {
-        how: How::Valueless,
         #[cfg(feature = "serde")]
         default: Some(default::<T>),
         ..Self::PLAIN
@@ -171,73 +156,75 @@ impl<T: Component + Clone + Debug + Default> Of<T> {
 }
 
 impl Kind {
-    pub const fn marked<T: Component + Stored + PartialEq>() -> Self {
-        Self(Of::<T>::MARKED)
+    /// Values that can be compared.
+    pub const fn compared<T: Component + Stored + PartialEq>(how: How, role: Role) -> Self {
+        Self {
+            functions: Of::<T>::COMPARED,
+            how,
+            role,
+        }
     }
 
-    pub const fn output<T: Component + Stored + PartialEq>() -> Self {
-        Self(Of::<T>::OUTPUT)
+    /// Values that cannot be compared.
+    pub const fn stored<T: Component + Stored>(how: How, role: Role) -> Self {
+        Self {
+            functions: Of::<T>::STORED,
+            how,
+            role,
+        }
     }
 
-    pub const fn silent<T: Component + Stored>() -> Self {
-        Self(Of::<T>::SILENT)
-    }
-
-    pub const fn replaced<T: Component + Stored + PartialEq>() -> Self {
-        Self(Of::<T>::REPLACED)
-    }
-
-    pub const fn valueless<T: Component + Clone + Debug + Default>() -> Self {
-        Self(Of::<T>::VALUELESS)
-    }
-
-    /// A resource that is data.
-    pub const fn resource<T: Component + Stored>() -> Self {
-        Self(Of::<T>::RESOURCE)
+    /// A component without a value.
+    pub const fn valueless<T: Component + Clone + Debug + Default>(role: Role) -> Self {
+        Self {
+            functions: Of::<T>::VALUELESS,
+            how: How::Valueless,
+            role,
+        }
     }
 
     /// A resource that is code of the user, and cannot be written to bytes.
-    pub const fn code<T: Component + Clone + Debug>() -> Self {
-        Self(Of::<T>::CODE)
+    pub const fn code<T: Component + Clone + Debug>(role: Role) -> Self {
+        Self {
+            functions: Of::<T>::CODE,
+            how: How::Resource,
+            role,
+        }
     }
 
     pub(super) fn functions(self) -> &'static Functions {
-        self.0
+        self.functions
     }
 
     pub fn type_id(self) -> TypeId {
-        self.0.id
+        self.functions.id
     }
 
     pub fn name(self) -> &'static str {
-        (self.0.name)()
-    }
-
-    pub fn how(self) -> How {
-        self.0.how
+        (self.functions.name)()
     }
 
     /// Whether the component is not kept in tables.
     pub fn is_sparse(self) -> bool {
-        matches!(self.0.storage, StorageType::SparseSet)
+        matches!(self.functions.storage, StorageType::SparseSet)
     }
 
     /// Whether values are written to bytes.
     #[cfg(feature = "serde")]
     pub fn has_code(self) -> bool {
-        self.0.code.is_some()
+        self.functions.code.is_some()
     }
 
     /// The component in a world, if the world knows it.
     pub fn id(self, components: &Components) -> Option<ComponentId> {
-        components.get_valid_id(self.0.id)
+        components.get_valid_id(self.functions.id)
     }
 
     /// Makes a world know the component.
     pub fn register(self, world: &mut World) -> ComponentId {
         match self.id(world.components()) {
             Some(id) => id,
-            None => (self.0.register)(world),
+            None => (self.functions.register)(world),
         }
     }
 }

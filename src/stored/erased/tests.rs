@@ -1,4 +1,5 @@
 use super::{How, Kind, Slice, Values};
+use crate::stored::{Role, Stored};
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{EntityHashMap, SceneEntityMapper};
 use bevy_ecs::entity_disabling::Disabled;
@@ -56,12 +57,16 @@ impl Clone for Counted {
     }
 }
 
+fn compared<T: Component + Stored + PartialEq>() -> Kind {
+    Kind::compared::<T>(How::Marked, Role::Other)
+}
+
 fn name(text: &str) -> Values {
-    Values::with(Kind::marked::<Name>(), Name(text.to_owned(), None))
+    Values::with(compared::<Name>(), Name(text.to_owned(), None))
 }
 
 fn names(texts: &[&str]) -> Values {
-    let mut all = Values::new(Kind::marked::<Name>());
+    let mut all = Values::new(compared::<Name>());
     for text in texts {
         all.push(name(text).as_slice());
     }
@@ -106,9 +111,9 @@ fn the_first_difference_is_found() {
     let other = names(&["a", "x", "y"]);
     assert_eq!(all.as_slice().first_difference(other.as_slice()), Some(1));
     assert_eq!(all.as_slice().first_difference(all.as_slice()), None);
-    let nan = Values::with(Kind::marked::<Number>(), Number(f64::NAN));
+    let nan = Values::with(compared::<Number>(), Number(f64::NAN));
     assert_eq!(nan.as_slice().first_difference(nan.as_slice()), Some(0));
-    let markers = Values::with(Kind::valueless::<Marker>(), Marker);
+    let markers = Values::with(Kind::valueless::<Marker>(Role::Other), Marker);
     assert_eq!(
         markers.as_slice().first_difference(markers.as_slice()),
         None
@@ -122,7 +127,7 @@ fn no_value_is_dropped_twice() {
         owners: owners.clone(),
         is_bad: false,
     };
-    let kind = Kind::code::<Counted>();
+    let kind = Kind::code::<Counted>(Role::Other);
     let mut all = Values::with(kind, one);
     for _ in 0..4 {
         let copy = all.clone();
@@ -155,7 +160,7 @@ fn no_value_is_dropped_twice() {
 
 #[test]
 fn values_without_a_size_need_no_memory() {
-    let mut all = Values::with(Kind::valueless::<Marker>(), Marker);
+    let mut all = Values::with(Kind::valueless::<Marker>(Role::Other), Marker);
     for _ in 0..10 {
         let copy = all.clone();
         all.push(copy.as_slice());
@@ -167,7 +172,7 @@ fn values_without_a_size_need_no_memory() {
 
 #[test]
 fn other_types_and_places_are_refused() {
-    let number = Values::with(Kind::marked::<Number>(), Number(1.0));
+    let number = Values::with(compared::<Number>(), Number(1.0));
     assert!(number.as_slice().typed::<Name>().is_none());
     let refused: [&mut dyn FnMut(); 8] = [
         &mut || name("a").push(number.as_slice()),
@@ -177,14 +182,14 @@ fn other_types_and_places_are_refused() {
         &mut || _ = name("a").as_slice().first_difference(number.as_slice()),
         &mut || _ = name("a").one(1),
         &mut || name("a").overwrite(2, name("b").as_slice()),
-        &mut || _ = Values::with(Kind::marked::<Name>(), Number(1.0)),
+        &mut || _ = Values::with(compared::<Name>(), Number(1.0)),
     ];
     for (number, call) in refused.into_iter().enumerate() {
         assert!(catch_unwind(AssertUnwindSafe(call)).is_err(), "{number}");
     }
     let mut world = World::new();
     let mut entity = world.spawn_empty();
-    let mut empty = Values::new(Kind::marked::<Name>());
+    let mut empty = Values::new(compared::<Name>());
     assert!(catch_unwind(AssertUnwindSafe(|| empty.insert_into(&mut entity))).is_err());
     let mut twice = [name("a"), name("b")];
     let call = || Values::insert_all_into(&mut twice, &mut entity);
@@ -195,7 +200,7 @@ fn other_types_and_places_are_refused() {
 fn entities_are_mapped() {
     let mut world = World::new();
     let [old, new] = [world.spawn_empty().id(), world.spawn_empty().id()];
-    let mut values = Values::with(Kind::marked::<Name>(), Name(String::new(), Some(old)));
+    let mut values = Values::with(compared::<Name>(), Name(String::new(), Some(old)));
     let mut map = EntityHashMap::from_iter([(old, new)]);
     SceneEntityMapper::world_scope(&mut map, &mut world, |_, mapper| {
         values.as_mut().map(mapper);
@@ -206,7 +211,7 @@ fn entities_are_mapped() {
 #[test]
 fn a_table_of_a_world_is_read_and_written() {
     let mut world = World::new();
-    let kind = Kind::marked::<Name>();
+    let kind = compared::<Name>();
     assert!(kind.read(&world).is_none(), "the world does not know it");
     let spawned = ["a", "b", "c"].map(|text| {
         let name = Name(text.to_owned(), None);
@@ -266,8 +271,8 @@ fn a_table_of_a_world_is_read_and_written() {
 #[test]
 fn sparse_components_and_resources_are_found() {
     let mut world = World::new();
-    let kind = Kind::marked::<Sparse>();
-    assert!(kind.is_sparse() && kind.how() == How::Marked);
+    let kind = compared::<Sparse>();
+    assert!(kind.is_sparse() && kind.how == How::Marked);
     let holder = world.spawn(Sparse(3)).id();
     let other = world.spawn_empty().id();
     let table = world.entity(holder).location().table_id;
@@ -286,8 +291,8 @@ fn sparse_components_and_resources_are_found() {
     let value = world.entity(holder).get_ref::<Sparse>().unwrap();
     assert_eq!((value.0, value.last_changed()), (4, Tick::new(1000)));
 
-    let kind = Kind::resource::<Settings>();
-    assert_eq!(kind.how(), How::Resource);
+    let kind = Kind::stored::<Settings>(How::Resource, Role::Other);
+    assert_eq!(kind.how, How::Resource);
     let mut values = Values::with(kind, Settings(vec![1, 2]));
     values.insert_resource(&mut world);
     assert!(values.is_empty());
@@ -323,10 +328,7 @@ fn values_are_inserted_with_their_hooks() {
     list.insert_into(&mut entity);
     assert_eq!(entity.get::<Name>().unwrap().0, "a");
     assert!(list.is_empty());
-    let mut both = [
-        name("c"),
-        Values::with(Kind::marked::<Number>(), Number(2.0)),
-    ];
+    let mut both = [name("c"), Values::with(compared::<Number>(), Number(2.0))];
     let both_in = world.spawn_empty().id();
     Values::insert_all_into(&mut both, &mut world.entity_mut(both_in));
     assert_eq!(world.get::<Number>(both_in), Some(&Number(2.0)));
@@ -357,7 +359,7 @@ fn values_are_read_as_they_were_written() {
         assert!(read.push_decoded(&mut from).is_err());
         assert_eq!((read.len(), from.len()), (3, len), "nothing was read");
     }
-    let mut markers = Values::new(Kind::valueless::<Marker>());
+    let mut markers = Values::new(Kind::valueless::<Marker>(Role::Other));
     assert!(markers.push_default() && !read.push_default());
     assert!(markers.one(0).encode(&mut bytes).is_err());
     assert!(markers.push_decoded(&mut &bytes[..]).is_err());

@@ -1,12 +1,10 @@
 //! A list of values.
 
 use super::{Kind, Slice, SliceMut};
-#[cfg(any(feature = "serde", test))]
 use bevy_ecs::change_detection::MaybeLocation;
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::ptr::OwningPtr;
 use bevy_ecs::world::EntityWorldMut;
-#[cfg(any(feature = "serde", test))]
 use bevy_ecs::world::World;
 use std::alloc::{Layout, alloc, dealloc, handle_alloc_error, realloc};
 use std::any::TypeId;
@@ -285,7 +283,6 @@ impl Values {
     }
 
     /// Makes the last value that of the resource of a world, and removes it from the list.
-    #[cfg(any(feature = "serde", test))]
     pub fn insert_resource(&mut self, world: &mut World) {
         let id = self.kind.register(world);
         // SAFETY: *World*.

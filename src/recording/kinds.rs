@@ -44,10 +44,7 @@ pub(super) fn write(
     Values::of(cells.values)
         .as_mut()
         .map(&mut Referred(referred));
-    match kind.how {
-        How::Valueless => Ok(()),
-        _ => encode(cells.values, out),
-    }
+    encode(cells.values, out)
 }
 
 /// Adds the entities that the values of all entities refer to.
@@ -68,9 +65,7 @@ pub(super) fn find_referred(kind: Kind, world: &World, referred: &mut Vec<Entity
 pub(super) fn read(kind: Kind, count: usize, from: &mut &[u8]) -> Result<Values, SnapshotError> {
     let mut values = Values::new(kind);
     for _ in 0..count {
-        if !values.push_default() {
-            decode(from, &mut values)?;
-        }
+        decode(from, &mut values)?;
     }
     Ok(values)
 }
@@ -94,10 +89,20 @@ pub(super) fn insert(
     entities: &[(Entity, bool)],
     to: &mut Renaming,
 ) {
-    let mut pairs = (0..)
-        .zip(entities)
-        .map(|(at, &(entity, _))| (entity, values.one(at)));
-    to.insert_missing(world, values.kind(), &mut pairs);
+    let id = values.kind().register(world);
+    // Hooks may insert the component, but what is inserted here counts.
+    let lacks = |&(_, &(entity, _)): &(usize, &(Entity, bool))| {
+        let entity = world.get_entity(entity);
+        entity.is_ok_and(|entity| !entity.contains_id(id))
+    };
+    let missing: Vec<_> = entities.iter().enumerate().filter(lacks).collect();
+    for (at, &(entity, _)) in missing {
+        if let Ok(mut entity) = world.get_entity_mut(entity) {
+            let mut value = Values::of(values.one(at));
+            to.apply(&mut value.as_mut());
+            value.insert_into(&mut entity);
+        }
+    }
 }
 
 /// Gives entities their values. With each entity comes whether its value was written, or only kept.
@@ -126,21 +131,11 @@ fn put_one(value: &mut Values, world: &mut World, entity: Entity, is_written: bo
     if let Some(mut known) = kind.write(world)
         && let Some(mut cells) = known.entity(entity)
     {
-        match kind.how {
-            How::Valueless => (),
-            How::Silent => cells.values.swap(&mut value.as_mut()),
-            _ => {
-                let differs = cells.values.as_slice().first_difference(value.as_slice());
-                let differs = differs.is_some();
-                // Equal values that were written may have other bits: 0 and -0. A value that was not written is not replaced by an equal
-                // one, because stages compare compound shapes by identity: an equal shape would count as a new one.
-                if differs || is_written {
-                    cells.values.swap(&mut value.as_mut());
-                }
-                if differs {
-                    cells.set_changed(0, now);
-                }
-            }
+        let (new, old) = (value.as_slice(), cells.values.as_slice());
+        // Equal values that were written may have other bits: 0 and -0. A value that was not written is not replaced by an equal one,
+        // because stages compare compound shapes by identity: an equal shape would count as a new one.
+        if is_written || !kind.is_compared() || old.first_difference(new).is_some() {
+            Renaming::Nothing.write(&mut cells, 0, new, &mut Values::new(kind), now);
         }
     } else if let Ok(mut entity) = world.get_entity_mut(entity) {
         value.insert_into(&mut entity);

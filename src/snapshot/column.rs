@@ -7,7 +7,7 @@ use super::renaming::Renaming;
 use super::target::{NOWHERE, Rows, Target};
 use crate::body::{new_rows, newer_than};
 use crate::stored::Role;
-use crate::stored::erased::{Cells, How, Kind, Slice, SliceMut, Values};
+use crate::stored::erased::{Cells, How, Kind, Slice, Values};
 use bevy_ecs::change_detection::{MAX_CHANGE_AGE, Tick};
 use bevy_ecs::component::{ComponentId, Components};
 use bevy_ecs::entity::{Entity, EntityMapper};
@@ -213,10 +213,7 @@ impl Column {
         let old = Tick::new(now.get().wrapping_sub(MAX_CHANGE_AGE));
         let how = self.kind.how;
         let mut places: Vec<Place> = Vec::new();
-        let mut scratch = Scratch {
-            renamed: Values::new(self.kind),
-            changed: Vec::new(),
-        };
+        let mut renamed = Values::new(self.kind);
         let Some(mut known) = self.kind.write(world) else {
             return;
         };
@@ -254,12 +251,8 @@ impl Column {
                 None => (),
             }
             for place in &places {
-                let mut values = cells.values.part(place.at..place.at + place.len);
                 let from = self.values.part(place.from..place.from + place.len);
-                scratch.set(&mut values, from, to);
-                for at in scratch.changed.drain(..) {
-                    cells.set_changed(place.at + at, now);
-                }
+                to.write(&mut cells, place.at, from, &mut renamed, now);
             }
         }
         for (run, _) in layout.ancestors() {
@@ -267,10 +260,7 @@ impl Column {
             if let Some(from) = self.index_of(layout, run, row)
                 && let Some(mut cells) = known.entity(target.entities[row])
             {
-                scratch.set(&mut cells.values, self.values.one(from), to);
-                if scratch.changed.pop().is_some() {
-                    cells.set_changed(0, now);
-                }
+                to.write(&mut cells, 0, self.values.one(from), &mut renamed, now);
             }
         }
         for edit in &self.edits {
@@ -367,45 +357,5 @@ fn push(places: &mut Vec<Place>, at: usize, from: usize) {
     match places.last_mut() {
         Some(last) if last.at + last.len == at && last.from + last.len == from => last.len += 1,
         _ => places.push(Place { at, from, len: 1 }),
-    }
-}
-
-/// Memory for writing values.
-struct Scratch {
-    /// Values with the entities of the world.
-    renamed: Values,
-    /// Indices of values that differed.
-    changed: Vec<usize>,
-}
-
-impl Scratch {
-    /// Writes values over others, and notes those that differed, if they are compared.
-    fn set(&mut self, values: &mut SliceMut, from: Slice, to: &mut Renaming) {
-        let Self { renamed, changed } = self;
-        let is_compared = matches!(from.kind().how, How::Marked | How::Output);
-        if !is_compared {
-            // In the memory that they have.
-            values.clone_from(from);
-            to.apply(values);
-        } else if to.is_nothing() {
-            find_differences(values.as_slice(), from, changed);
-            values.clone_from(from);
-        } else {
-            renamed.clear();
-            renamed.push(from);
-            to.apply(&mut renamed.as_mut());
-            find_differences(values.as_slice(), renamed.as_slice(), changed);
-            values.swap(&mut renamed.as_mut());
-        }
-    }
-}
-
-/// Finds the indices of values that differ.
-fn find_differences(a: Slice, b: Slice, found: &mut Vec<usize>) {
-    let len = a.len();
-    let mut at = 0;
-    while let Some(first) = a.part(at..len).first_difference(b.part(at..len)) {
-        found.push(at + first);
-        at += first + 1;
     }
 }

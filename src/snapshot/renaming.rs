@@ -1,11 +1,8 @@
 //! New ids for the entities of a snapshot.
 
-use crate::stored::erased::SliceMut;
-#[cfg(feature = "serde")]
-use crate::stored::erased::{Kind, Slice, Values};
+use crate::stored::erased::{CellsMut, Slice, SliceMut, Values};
+use bevy_ecs::change_detection::Tick;
 use bevy_ecs::entity::{Entity, EntityHashMap, EntityMapper, SceneEntityMapper};
-#[cfg(feature = "serde")]
-use bevy_ecs::world::World;
 
 /// The entities that those of a snapshot have become.
 pub(crate) enum Renaming<'a, 'm> {
@@ -25,28 +22,30 @@ impl Renaming<'_, '_> {
         }
     }
 
-    /// Inserts values into those of the entities that lack the component.
-    #[cfg(feature = "serde")]
-    pub fn insert_missing<'v>(
+    /// Writes values over those of a world after the first `at`, in the memory that they have. Those that differ are marked as changed, if
+    /// they are compared. `renamed` is memory that is used again.
+    pub fn write(
         &mut self,
-        world: &mut World,
-        kind: Kind,
-        values: &mut dyn Iterator<Item = (Entity, Slice<'v>)>,
+        cells: &mut CellsMut,
+        at: usize,
+        from: Slice,
+        renamed: &mut Values,
+        now: Tick,
     ) {
-        let id = kind.register(world);
-        let lacks = |(entity, _): &(Entity, _)| {
-            let entity = world.get_entity(*entity);
-            entity.is_ok_and(|entity| !entity.contains_id(id))
-        };
-        // Hooks may insert the component, but what is inserted here counts.
-        let missing: Vec<(Entity, Slice)> = values.filter(lacks).collect();
-        let mut renamed = Values::new(kind);
-        for (entity, value) in missing {
-            if let Ok(mut entity) = world.get_entity_mut(entity) {
-                renamed.push(value);
-                self.apply(&mut renamed.as_mut());
-                renamed.insert_into(&mut entity);
-            }
+        let range = at..at + from.len();
+        if !from.kind().is_compared() {
+            let mut values = cells.values.part(range);
+            values.clone_from(from);
+            self.apply(&mut values);
+        } else if self.is_nothing() {
+            cells.mark_differences(at, from, now);
+            cells.values.part(range).clone_from(from);
+        } else {
+            renamed.clear();
+            renamed.push(from);
+            self.apply(&mut renamed.as_mut());
+            cells.mark_differences(at, renamed.as_slice(), now);
+            cells.values.part(range).swap(&mut renamed.as_mut());
         }
     }
 

@@ -26,7 +26,7 @@ use super::layout::{Kinds, Layout, Run};
 use super::resource::Kept;
 use super::{Origin, Snapshot};
 use crate::collider::SharedShapes;
-use crate::stored::erased::{How, Values};
+use crate::stored::erased::Values;
 use bevy_ecs::entity::{Entity, EntityHashMap, EntityHashSet};
 use bevy_ecs::hierarchy::ChildOf;
 use earlier::Earlier;
@@ -239,9 +239,6 @@ impl Column {
         earlier: Earlier,
         to: &mut Writer,
     ) -> Result<(), SnapshotError> {
-        if self.kind.how == How::Valueless {
-            return Ok(());
-        }
         for (index, row) in self.rows(layout).into_iter().enumerate() {
             to.put_with(
                 &mut |is_earlier, out| match (is_earlier, earlier.value(row)) {
@@ -287,9 +284,6 @@ impl Column {
         from: &mut Reader,
     ) -> Result<(), SnapshotError> {
         let fill = &mut |row: usize, values: &mut Values| {
-            if values.push_default() {
-                return Ok(());
-            }
             let append = &mut |out: &mut Vec<u8>| match earlier.value(row) {
                 Some(earlier) => encode(earlier, out),
                 None => Ok(()),
@@ -297,9 +291,6 @@ impl Column {
             from.take_with(append, &mut |from| decode(from, values))
         };
         self.fill(kind, layout, fill)?;
-        if self.kind.how == How::Valueless {
-            return Ok(());
-        }
         let old = earlier.column;
         self.edits = from.take(Some(&old.edits), self.kind.name())?;
         let append = &mut |out: &mut Vec<u8>| old.encode_sparse(out);

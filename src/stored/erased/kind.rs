@@ -209,6 +209,11 @@ impl Kind {
         matches!(self.functions.storage, StorageType::SparseSet)
     }
 
+    /// Whether values can be compared.
+    pub fn is_compared(self) -> bool {
+        self.functions.first_difference.is_some()
+    }
+
     /// Whether values are written to bytes.
     #[cfg(feature = "serde")]
     pub fn has_code(self) -> bool {

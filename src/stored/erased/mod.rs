@@ -34,6 +34,6 @@ pub(crate) use kind::Out;
 pub(crate) use kind::{How, Kind};
 pub(crate) use slice::{Slice, SliceMut};
 pub(crate) use values::Values;
-pub(crate) use world::Cells;
 #[cfg(feature = "serde")]
 pub(crate) use world::In;
+pub(crate) use world::{Cells, CellsMut};

@@ -1,5 +1,7 @@
 //! Borrowed values.
 
+#[cfg(feature = "serde")]
+use super::How;
 use super::Kind;
 use bevy_ecs::entity::EntityMapper;
 use std::any::TypeId;
@@ -95,13 +97,16 @@ impl<'a> Slice<'a> {
         unsafe { &*(self.kind.functions().debug)(self.as_ptr()) }
     }
 
-    /// Appends the first value to bytes.
+    /// Appends the first value to bytes. A component without a value has none.
     ///
     /// # Errors
     /// If it cannot be written.
     #[cfg(feature = "serde")]
     pub fn encode(self, out: &mut Vec<u8>) -> postcard::Result<()> {
         assert!(self.len > 0);
+        if self.kind.how == How::Valueless {
+            return Ok(());
+        }
         let code = self.kind.functions().code;
         let code = code.ok_or(postcard::Error::WontImplement)?;
         let mut to = postcard::Serializer {

@@ -180,28 +180,21 @@ impl Values {
         self.len += new.len();
     }
 
-    /// Appends the default value. Returns false if the kind has none.
-    #[cfg(feature = "serde")]
-    pub fn push_default(&mut self) -> bool {
-        let Some(default) = self.kind.functions().default else {
-            return false;
-        };
-        self.reserve(1);
-        // SAFETY: There is room.
-        unsafe { default(self.place(self.len)) };
-        self.len += 1;
-        true
-    }
-
-    /// Takes a value from the front of bytes, and appends it.
+    /// Takes a value from the front of bytes, and appends it. That of a component without a value is its default.
     ///
     /// # Errors
     /// If the bytes are none of a value.
     #[cfg(feature = "serde")]
     pub fn push_decoded(&mut self, from: &mut &[u8]) -> postcard::Result<()> {
+        self.reserve(1);
+        if let Some(default) = self.kind.functions().default {
+            // SAFETY: There is room.
+            unsafe { default(self.place(self.len)) };
+            self.len += 1;
+            return Ok(());
+        }
         let code = self.kind.functions().code;
         let code = code.ok_or(postcard::Error::WontImplement)?;
-        self.reserve(1);
         let mut decoder = postcard::Deserializer::from_bytes(from);
         // SAFETY: There is room.
         unsafe { (code.decode)(&mut decoder, self.place(self.len)) }?;

@@ -56,6 +56,23 @@ pub(crate) struct CellsMut<'a> {
 }
 
 impl CellsMut<'_> {
+    /// Marks the values after the first `at` as changed that differ from others.
+    ///
+    /// # Panics
+    /// If the others have another type, or are more.
+    pub fn mark_differences(&mut self, at: usize, others: Slice, now: Tick) {
+        let mut next = at;
+        let end = at + others.len();
+        while next < end {
+            let values = self.values.as_slice().part(next..end);
+            let Some(first) = values.first_difference(others.part(next - at..end - at)) else {
+                return;
+            };
+            self.set_changed(next + first, now);
+            next += first + 1;
+        }
+    }
+
     /// Marks a value as changed, and so Bevy's summary of the column.
     pub fn set_changed(&mut self, at: usize, now: Tick) {
         self.changed[at] = now;

@@ -49,12 +49,12 @@ pub(super) struct Body {
     pub account: Option<Wrench>,
 }
 
-/// A contact of a body that is out.
+/// A pair of two bodies near each other, without its entity: a body is out, or has just arrived.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Contact {
     pub pair: ContactPair,
-    /// Whether the edge linked its bodies.
+    /// Whether the edge links its bodies, because there are contact points.
     pub links: bool,
     pub parts: PairParts,
 }

@@ -1,5 +1,6 @@
 //! The contacts of a group, its structures, and the order in which they are loaded.
 
+use super::super::region::Contact;
 use super::groups::Group;
 use crate::body::{BodyState, BodyTable};
 use crate::contact::{ContactPair, PairParts};
@@ -7,14 +8,6 @@ use crate::diagnosis::BodyProblem;
 use crate::graph::warn;
 use crate::narrowphase::Detector;
 use bevy_ecs::prelude::*;
-
-/// A pair of two bodies near each other.
-pub(super) struct Contact {
-    pub pair: ContactPair,
-    pub parts: PairParts,
-    /// Whether there are contact points.
-    pub links: bool,
-}
 
 /// A structure.
 pub(super) struct Structure {

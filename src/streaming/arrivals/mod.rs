@@ -13,6 +13,7 @@ mod contacts;
 mod groups;
 mod loads;
 
+use super::region::Contact;
 use crate::body::{
     BodyIndex, BodyTable, Inactive, InactiveBodies, NewBodies, RigidBody, Simulated, Sleeping,
     add_asleep, note_written, with_table,
@@ -32,7 +33,7 @@ use bevy_ecs::bundle::NoBundleEffect;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
-use contacts::{Contact, Contacts, Found};
+use contacts::{Contacts, Found};
 use groups::{Group, Groups};
 
 /// Bodies that were spawned by [`spawn_asleep`] since the last step.

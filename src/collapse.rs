@@ -30,14 +30,13 @@
 //! ```
 
 use crate::body::{
-    BodyIndex, BodyTable, ExternalForce, Inactive, Pose, Quarantined, RigidBody, RigidBodyDisabled,
-    SpawnOrder, Velocity,
+    BodyIndex, BodyTable, ExternalForce, Grab, Inactive, Pose, Quarantined, RigidBody,
+    RigidBodyDisabled, SpawnOrder, Velocity,
 };
+use crate::components::init;
 use crate::contact::Contacts;
-use crate::grab::Grab;
 use crate::graph::Islands;
 use crate::mortar::{BrokenMortar, MortarBroke};
-use crate::plugin::init;
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, StepMessages};
 use crate::settings::{Gravity, SleepSettings, StepTime};
 use crate::solver::sort;

@@ -3,8 +3,7 @@
 //! A body with invalid input is disabled ([`Quarantined`](crate::body::Quarantined)) and reported as a [`BodyError`]; other bodies are
 //! not affected. It comes back by itself when the input is valid again.
 
-use crate::body::limits;
-use crate::settings::STEP_LENGTHS;
+use crate::limits::{self, STEP_LENGTHS};
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
@@ -90,10 +89,7 @@ pub enum BodyProblem {
     )]
     InvalidMaxSpeed,
     /// The [`SolverEffort`](crate::body::SolverEffort) is not a number from 1 to its maximum.
-    #[error(
-        "its `SolverEffort` is not between 1 and {}",
-        crate::body::SolverEffort::MAX
-    )]
+    #[error("its `SolverEffort` is not between 1 and {}", limits::SOLVER_EFFORT)]
     InvalidSolverEffort,
     /// The solve of its island gave an invalid velocity. The island keeps its velocities and poses from before the step, and starts
     /// without impulses.

@@ -14,9 +14,8 @@
 
 use crate::body::{
     ActiveBodies, ActiveBodyItem, BodyIndex, BodyState, BodyTable, MassProperties, Motion, Pose,
-    RigidBody, Simulated, Velocity, limits, local_pose, user_pose,
+    RigidBody, Simulated, Velocity, limits, local_pose, parts::ImplicitBody, user_pose,
 };
-use crate::children::ImplicitBody;
 use crate::components::any;
 use crate::settings::StepTime;
 use crate::solver::sort;

@@ -106,7 +106,6 @@ pub mod broadphase;
 pub mod character;
 pub mod children;
 pub mod collapse;
-pub mod collider;
 mod components;
 pub mod contact;
 #[cfg(any(doc, doctest))]
@@ -120,9 +119,12 @@ pub mod grab;
 pub mod graph;
 pub mod integration;
 pub mod joint;
+mod joint_types;
+pub mod limits;
 pub mod masonry;
 pub mod mortar;
 pub mod narrowphase;
+mod pair;
 #[cfg(feature = "picking")]
 pub mod picking;
 mod plugin;
@@ -133,6 +135,7 @@ pub mod query;
 pub mod recording;
 #[cfg(feature = "bevy_reflect")]
 pub mod reflection;
+mod restored;
 pub mod revision;
 pub mod saving;
 pub mod schedule;
@@ -148,6 +151,8 @@ mod stored;
 pub mod streaming;
 pub mod warm_start;
 
+#[doc(inline)]
+pub use body::collider;
 /// The solvers, which are a crate of their own: they know neither the ECS nor shapes.
 pub use drystone_solver as solver;
 /// The geometry library behind [`Collider`](collider::Collider). Its types appear in a few signatures, such as that of

@@ -3,20 +3,21 @@
 //! [`DrystonePlugins`] adds them all. They may also be added one by one and in any order. All of them need [`StepPlugin`]: without it the
 //! app panics at [`Plugin::finish`] with a message that names it, and [`step`](crate::step()) returns [`StepError::MissingPlugin`].
 
-use crate::body::{self, BodyTable, Pending};
+use crate::body::{self, BodyTable, Pending, parts::Unassembled};
 use crate::broadphase::{self, Broadphase};
 use crate::character::{CharacterPlugin, CharacterSystems};
-use crate::children::{self, Unassembled};
-use crate::components::any_with;
-use crate::contact::{
-    self, ContactEnded, ContactForce, ContactStarted, EndedPairs, LostPairs, Untriggered,
-};
+use crate::children;
+use crate::components::{any_with, init};
+use crate::contact::{self, ContactEnded, ContactForce, ContactStarted, Untriggered};
 use crate::diagnosis::{BodyError, StepError, Suspects, Told};
 use crate::graph::{self, ConstraintGraph, Islands};
-use crate::joint::{BrokenJoints, JointBroke, JointChanges, JointError};
-use crate::mortar::{self, BrokenMortar, Mortar, MortarBroke};
+use crate::joint::{BrokenJoints, JointBroke};
+use crate::joint_types::{self, JointChanges, JointError, Mortar};
+use crate::mortar::{self, BrokenMortar, MortarBroke};
+use crate::pair::{EndedPairs, LostPairs};
 use crate::profile::{Profile, own};
-use crate::saving::{self, Restored};
+use crate::restored::Restored;
+use crate::saving;
 use crate::schedule::{
     PhysicsSchedule, PhysicsSystems, RefreshSchedule, advance, check_step_plugin, order_stages,
     refresh,
@@ -33,10 +34,12 @@ use crate::warm_start::{self, IslandProblems};
 use crate::{integration, joint, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
 use bevy_ecs::component::Components;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::intern::Interned;
 use bevy_ecs::message::signal_message_update_system;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
+use bevy_ecs::world::DeferredWorld;
 use bevy_time::{Time, Virtual};
 use bevy_transform::TransformSystems;
 
@@ -180,15 +183,6 @@ fn take_step(world: &mut World) {
     let _ = advance(world, delta);
 }
 
-/// Inserts a resource with its default, unless the world has it. Bevy's `init_resource` compiles to four times as much code for each type,
-/// because it spawns and inserts the resource as a bundle.
-pub(crate) fn init<R: Resource + FromWorld>(world: &mut World) {
-    if !world.contains_resource::<R>() {
-        let value = R::from_world(world);
-        world.insert_resource(value);
-    }
-}
-
 /// The profile with which stages are timed, made by whichever plugin comes first.
 fn profile(app: &mut App) -> Profile {
     init::<Profile>(app.world_mut());
@@ -214,7 +208,7 @@ impl Plugin for BodyPlugin {
     fn build(&self, app: &mut App) {
         app.add_observer(children::child_joined)
             .add_observer(children::child_left)
-            .add_observer(body::disabled)
+            .add_observer(disabled)
             .add_observer(children::child_enabled);
         let profile = profile(app);
         app.add_systems(
@@ -249,6 +243,13 @@ impl Plugin for BodyPlugin {
     fn finish(&self, app: &mut App) {
         check_step_plugin::<Self>(app);
     }
+}
+
+/// Observer: an entity was disabled. Its body must be assembled again without it, hands let go of it, and *joints* looks at it.
+fn disabled(disabled: On<Insert<Disabled>>, mut world: DeferredWorld) {
+    body::mark_if_part(&mut world, disabled.entity);
+    body::let_go_of_disabled(&mut world, disabled.entity);
+    joint_types::look_at_disabled(&mut world, disabled.entity);
 }
 
 /// Adds the stages *broadphase* and *narrowphase*, which find contacts.
@@ -532,9 +533,9 @@ fn time_stands_still(time: Option<Res<Time<Virtual>>>, physics: Option<Res<Physi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::collider::Collider;
     use crate::body::{Pose, RigidBody};
     use crate::collapse::CollapsePlugin;
-    use crate::collider::Collider;
     use crate::grab::HandPlugin;
     use crate::schedule::step;
     use bevy_app::Update;

@@ -9,11 +9,12 @@
 //! whether they are. A shape is opaque, and is read by its [description](crate::collider::Collider::description). With the feature `serde`
 //! the types are also serialized by reflection, as scenes do.
 
+use crate::body::collider::ColliderShape;
 use crate::collapse::{Collapse, CollapseEnded};
-use crate::collider::ColliderShape;
 use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
-use crate::joint::{JointAxes, JointBroke, JointError};
+use crate::joint::JointBroke;
+use crate::joint_types::{JointAxes, JointError};
 use crate::masonry::Laid;
 use crate::mortar::MortarBroke;
 use crate::query::{Ground, MoveAndSlide};

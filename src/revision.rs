@@ -27,7 +27,7 @@
 //!
 //! # Edits by users
 //! Users write components without a revision. Change ticks find these edits; stages bypass change detection when they write. Before a stage
-//! reads derived data, it calls `revise_edited!` (`contact/edits.rs`), which gives each edited pair a new revision. Nothing else depends on
+//! reads derived data, it calls `revise_edited!` (`pair/edits.rs`), which gives each edited pair a new revision. Nothing else depends on
 //! ticks of pairs, except that *islands* looks at the links of edited manifolds. Bodies are described by components that users write often
 //! with equal values; *prepare* reads those whose ticks changed and compares their values.
 //!

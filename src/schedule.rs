@@ -4,12 +4,13 @@
 //! `.after(PhysicsSystems::NormalCorrection).before(PhysicsSystems::Forces)`. To replace a stage, disable its plugin in
 //! [`DrystonePlugins`](crate::DrystonePlugins) and add your own system to its set.
 
-use crate::contact::{ContactEnded, ContactForce, ContactStarted};
+use crate::contact::{self, ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
-use crate::joint::{JointBroke, JointError};
-use crate::mortar::MortarBroke;
+use crate::joint::{self, JointBroke};
+use crate::joint_types::JointError;
+use crate::mortar::{self, MortarBroke};
 use crate::profile::{Ends, Profile};
-use crate::sensor::{SensorEntered, SensorExited};
+use crate::sensor::{self, SensorEntered, SensorExited};
 pub use crate::settings::STEP_LENGTHS;
 use crate::settings::{self, PhysicsThreads, SolverSettings, StepTime};
 use bevy_app::{App, Plugin};
@@ -116,6 +117,17 @@ impl StepMessages {
     }
 }
 
+/// What is done before and after the stages of every step, while the world is recorded.
+#[cfg(feature = "serde")]
+#[derive(Resource, Clone, Copy)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct AroundStep {
+    /// Is told the length of the step, s.
+    pub before: fn(&mut World, f32),
+    /// Runs before observers of the step.
+    pub after: fn(&mut World),
+}
+
 /// Takes a step of `dt` seconds in a world without an app. The step is a frame of its own: drystone's messages are kept until the step
 /// after the next, and removal detection is reset ([`World::clear_trackers`]). A `dt` of 0 takes no step.
 ///
@@ -174,7 +186,12 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     }
     let start = Instant::now();
     #[cfg(feature = "serde")]
-    crate::recording::begin(world, dt);
+    let around = world.get_resource::<AroundStep>().copied();
+    #[cfg(feature = "serde")]
+    if let Some(around) = around {
+        (around.before)(world, dt);
+    }
+    contact::note_hooks(world);
     settings::check(world);
     let substeps = world.resource::<SolverSettings>().outer_substeps;
     for substep in 0..substeps {
@@ -193,11 +210,13 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
         }
     }
     #[cfg(feature = "serde")]
-    crate::recording::end(world);
-    crate::contact::trigger(world);
-    crate::joint::trigger(world);
-    crate::mortar::trigger(world);
-    crate::sensor::trigger(world);
+    if let Some(around) = around {
+        (around.after)(world);
+    }
+    contact::trigger(world);
+    joint::trigger(world);
+    mortar::trigger(world);
+    sensor::trigger(world);
     world.resource_mut::<Profile>().end_step(start.elapsed());
     Ok(())
 }

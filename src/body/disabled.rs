@@ -1,10 +1,7 @@
 //! Bodies and colliders that a user has switched off, without losing a component.
 
 use super::Quarantined;
-use crate::{children, grab, joint};
-use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
-use bevy_ecs::world::DeferredWorld;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
@@ -49,7 +46,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 // A body that was taken out asleep is still marked as inactive, and only this hook has it looked at.
-#[component(on_remove = super::table::lost_description)]
+#[component(on_remove = super::lost_description)]
 pub struct RigidBodyDisabled;
 
 /// Switches the collider of a body off while it is there: the body touches nothing and is found by no spatial query. It keeps its mass, and
@@ -65,15 +62,8 @@ pub struct RigidBodyDisabled;
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(on_remove = super::table::lost_description, summary_tick)]
+#[component(on_remove = super::lost_description, summary_tick)]
 pub struct ColliderDisabled;
 
 /// Filter for entities that are not taken out of the simulation, by a user or because of invalid input.
 pub(crate) type Simulated = (Without<Quarantined>, Without<RigidBodyDisabled>);
-
-/// Observer: an entity was disabled. Its body must be assembled again without it, hands let go of it, and *joints* looks at it.
-pub(crate) fn disabled(disabled: On<Insert<Disabled>>, mut world: DeferredWorld) {
-    children::mark_if_part(&mut world, disabled.entity);
-    grab::let_go_of_disabled(&mut world, disabled.entity);
-    joint::look_at_disabled(&mut world, disabled.entity);
-}

@@ -8,7 +8,7 @@
 
 use super::listed::Written;
 use super::placement::{Placed, user_pose};
-use super::rows::Rows;
+use super::prepare::Rows;
 use super::{BodyTable, Pose, Simulated};
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::hierarchy::ChildOf;
@@ -35,12 +35,12 @@ pub(crate) type IsInactive = (With<Inactive>, Simulated);
 pub(crate) type InactiveBodies<'w, 's> = Query<'w, 's, Written, IsInactive>;
 
 /// The inactive bodies whose `Transform` is in the frame of a parent.
-pub(super) type InactiveChildren<'w, 's> =
+pub(in crate::body) type InactiveChildren<'w, 's> =
     Query<'w, 's, (Entity, &'static Pose, &'static Transform, &'static ChildOf), IsInactive>;
 
 /// Finds inactive bodies of which another component than `Transform` was written since the system ran last, and after `since` if that is
 /// later; once for each component. Values that equal the table do not count.
-pub(super) fn find_written(
+pub(in crate::body) fn find_written(
     table: &BodyTable,
     bodies: InactiveBodies,
     since: Option<Tick>,
@@ -78,7 +78,7 @@ fn find(
 }
 
 /// Finds inactive bodies whose parent was moved or replaced.
-pub(super) fn find_carried(children: InactiveChildren, placed: Placed) -> Vec<Entity> {
+pub(in crate::body) fn find_carried(children: InactiveChildren, placed: Placed) -> Vec<Entity> {
     let moved = children.iter().filter(|(_, pose, transform, parent)| {
         user_pose((transform, Some(parent)), **pose, false, placed).is_some()
     });

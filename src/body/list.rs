@@ -10,20 +10,17 @@
 //! A component whose removal must be noticed has the hook [`lost_description`](super::lost_description).
 
 /// The names of the listed components.
-pub(super) mod names {
-    pub use crate::body::{
-        AngularInertia, BodyIndex, CenterOfMass, ColliderDisabled, Damping, Density, Dominance,
-        ExternalForce, ExternalImpulse, GravityScale, LockedAxes, Mass, MassProperties,
-        MaxAngularSpeed, MaxLinearSpeed, Motion, Pose, Sleeping, SolverEffort, SpawnOrder,
-        Velocity,
-    };
-    pub use crate::children::CompoundCollider;
-    pub use crate::collider::{
+pub(in crate::body) mod names {
+    pub use crate::body::collider::{
         Collider, CollisionExceptions, CollisionLayers, Friction, Restitution, RollingFriction,
         SurfaceVelocity,
     };
-    pub use crate::contact::{ActiveContactHooks, ContactEvents};
-    pub use crate::grab::Grab;
+    pub use crate::body::{
+        ActiveContactHooks, AngularInertia, BodyIndex, CenterOfMass, ColliderDisabled,
+        CompoundCollider, ContactEvents, Damping, Density, Dominance, ExternalForce,
+        ExternalImpulse, Grab, GravityScale, LockedAxes, Mass, MassProperties, MaxAngularSpeed,
+        MaxLinearSpeed, Motion, Pose, Sleeping, SolverEffort, SpawnOrder, Velocity,
+    };
 }
 
 /// Passes the list to a macro, which generates items from it. The names of the components are those of
@@ -108,4 +105,4 @@ macro_rules! body_properties {
         }
     };
 }
-pub(super) use body_properties;
+pub(in crate::body) use body_properties;

@@ -1,9 +1,8 @@
 //! Items generated from the [list](super::list) of the properties of a body: queries, filters, and copies of components.
 
-use super::kept_property::KeptProperty;
 use super::list::{body_properties, names::*};
-use super::rows::{Rows, written_rows};
-use super::{BodyProperties, RigidBody};
+use super::prepare::{Rows, written_rows};
+use super::{BodyProperties, KeptProperty, RigidBody};
 use crate::diagnosis::BodyProblem;
 use crate::stored::{Role, Visitor};
 use bevy_ecs::entity::EntityHashSet;
@@ -55,7 +54,7 @@ macro_rules! listed {
 
         impl DescribingContiguousItem<'_, '_> {
             /// Finds the bodies of which such a component was written since the system ran last.
-            pub(super) fn find(self, found: &mut EntityHashSet) {
+            pub(in crate::body) fn find(self, found: &mut EntityHashSet) {
                 let mut note = |rows: &mut dyn Iterator<Item = usize>| {
                     found.extend(rows.map(|row| self.entity[row]));
                 };
@@ -113,7 +112,7 @@ macro_rules! listed {
 
         impl WrittenContiguousItem<'_, '_> {
             /// Finds the bodies whose properties were written with values that differ from the table; once for each property.
-            pub(super) fn find(self, rows: Rows, found: &mut Vec<Entity>) {
+            pub(in crate::body) fn find(self, rows: Rows, found: &mut Vec<Entity>) {
                 rows.compare(self.kind, |body, kind| body.kind == *kind, found);
                 $(rows.compare(self.$essential, known!($($essential_known)?), found);)*
                 $(if let Some(column) = self.$pushing {

@@ -1,8 +1,7 @@
 //! Mass, inertia and centre of mass: computed from shape and density, or set by hand.
 
-use super::{RigidBody, limits, table};
-use crate::children;
-use crate::collider::Collider;
+use super::{RigidBody, limits, parts, table};
+use crate::body::collider::Collider;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
@@ -105,7 +104,7 @@ pub(crate) fn weigh(mut world: DeferredWorld, context: HookContext) {
 /// Recomputes the mass properties of the body that an entity is, or that it is a part of. A part may leave its body before the next step
 /// has seen it there, so that step weighs the body once more.
 pub(crate) fn weigh_above(world: &mut DeferredWorld, entity: Entity) {
-    if let Some(body) = children::body_of(world, entity) {
+    if let Some(body) = parts::body_of(world, entity) {
         if body == entity {
             weigh_body(world, body);
         } else {
@@ -117,10 +116,10 @@ pub(crate) fn weigh_above(world: &mut DeferredWorld, entity: Entity) {
 /// Recomputes the mass properties of a body that got a part, and has the next step weigh it once more. That of a body with many parts is
 /// left to the step: each part that is added would weigh all of them.
 pub(crate) fn weigh_with_parts(world: &mut DeferredWorld, body: Entity) {
-    if children::has_few(world, body) {
+    if parts::has_few(world, body) {
         weigh_body(world, body);
     }
-    children::mark(world, body);
+    parts::mark(world, body);
 }
 
 /// Recomputes the mass properties of a body from its components and those of its parts.
@@ -137,7 +136,7 @@ pub(crate) fn weigh_body(world: &mut DeferredWorld, entity: Entity) {
     };
     let (density, mass) = (body.get::<Density>(), body.get::<Mass>());
     let (inertia, center) = (body.get::<AngularInertia>(), body.get::<CenterOfMass>());
-    let compound = children::compound_mass(world, entity);
+    let compound = parts::compound_mass(world, entity);
     let computed = match &compound {
         Some(compound) => compound.mass_properties(density, mass, inertia, center),
         None => MassProperties::new(collider, density, mass, inertia, center),

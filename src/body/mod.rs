@@ -8,85 +8,70 @@
 //! A body with a component whose value is invalid or beyond the [`limits`] is [quarantined](Quarantined): it is reported, and takes no part
 //! in the simulation until the value is corrected.
 
-#[expect(
-    missing_debug_implementations,
-    reason = "`derive(QueryData)` generates state types without `Debug`"
-)]
-mod apply;
-mod complete;
-mod describe;
+#[doc(hidden)]
+pub mod collider;
 mod disabled;
-mod dominance;
-mod forces;
 mod inactive;
-mod kept;
-mod kept_property;
-pub mod limits;
 mod list;
 #[expect(
     missing_debug_implementations,
     reason = "`derive(QueryData)` generates state types without `Debug`"
 )]
 mod listed;
-mod locked_axes;
 mod mass;
-mod max_speed;
 mod motion;
-mod pending;
+mod moved;
+pub(crate) mod parts;
 mod placement;
 mod prepare;
-mod quarantine;
-#[expect(
-    missing_debug_implementations,
-    reason = "`derive(QueryData)` generates state types without `Debug`"
-)]
-mod queries;
-mod rows;
+mod properties;
+mod push;
 mod sleeping;
-mod slot_list;
-mod slot_set;
-mod solver_effort;
 mod spawn_order;
 mod table;
-mod written_transforms;
 
-pub use apply::{Forces, ForcesItem, ForcesReadOnly, ForcesReadOnlyItem};
-pub use complete::complete;
+pub use crate::limits;
+pub(crate) use disabled::Simulated;
 pub use disabled::{ColliderDisabled, RigidBodyDisabled};
-pub(crate) use disabled::{Simulated, disabled};
-pub use dominance::Dominance;
-pub use forces::{Damping, ExternalForce, ExternalImpulse, GravityScale, forces};
 pub use inactive::Inactive;
 pub(crate) use inactive::{InactiveBodies, note_written};
-pub use kept::BodyProperties;
-pub(crate) use kept_property::KeptProperty;
 #[cfg(feature = "bevy_reflect")]
 pub(crate) use listed::register;
 pub(crate) use listed::visit;
-pub use locked_axes::LockedAxes;
 pub use mass::{AngularInertia, CenterOfMass, Density, Mass, MassProperties};
-pub(crate) use mass::{weigh, weigh_above, weigh_body, weigh_with_parts};
-pub use max_speed::{MaxAngularSpeed, MaxLinearSpeed};
+pub(crate) use mass::{weigh_body, weigh_with_parts};
 pub use motion::Motion;
-pub use pending::{Pending, refresh};
+pub use moved::Moved;
+pub(crate) use parts::mark_if_part;
+pub use parts::{CompoundCollider, Sensor, SensorOverlap, SensorOverlaps};
 pub use placement::Teleport;
 pub(crate) use placement::{local_pose, user_pose, velocity_between};
-pub use prepare::prepare;
-pub(crate) use prepare::{NewBodies, add_asleep};
 #[doc(hidden)]
-pub use quarantine::any_suspects;
-pub use quarantine::{Quarantined, lift, quarantine};
-pub(crate) use queries::{ActiveBodies, ActiveBodyItem, PlacedActive, PlacedBodies};
-pub(crate) use rows::{new_rows, newer_than, written_rows};
+pub use prepare::any_suspects;
+pub(crate) use prepare::{
+    ActiveBodies, ActiveBodyItem, NewBodies, PlacedActive, PlacedBodies, add_asleep, new_rows,
+    newer_than, written_rows,
+};
+pub use prepare::{
+    Pending, Quarantined, WrittenTransforms, complete, find_written_transforms, lift, prepare,
+    quarantine, refresh,
+};
+pub(crate) use properties::KeptProperty;
+pub use properties::{
+    ActiveContactHooks, BodyProperties, ContactEvents, Dominance, LockedAxes, MaxAngularSpeed,
+    MaxLinearSpeed, SolverEffort,
+};
+pub use push::{
+    Damping, ExternalForce, ExternalImpulse, Forces, ForcesItem, ForcesReadOnly,
+    ForcesReadOnlyItem, Grab, GrabForce, GravityScale, HeldBy, forces,
+};
+pub(crate) use push::{let_go_of, let_go_of_disabled};
 pub use sleeping::Sleeping;
-pub(crate) use slot_list::{cover, make_room};
-pub use solver_effort::SolverEffort;
 pub use spawn_order::SpawnOrder;
 #[cfg(feature = "serde")]
 pub(crate) use table::Noted;
 pub use table::{BodyIndex, BodyState, BodyTable};
-pub(crate) use table::{is_body, lost_description, note_loss, with_table};
-pub use written_transforms::{WrittenTransforms, find_written_transforms};
+pub(crate) use table::{WORLD, cover, is_body, lost_description, make_room, note_loss, with_table};
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
@@ -109,7 +94,7 @@ macro_rules! rigid_body {
         #[cfg_attr(feature = "bevy_reflect", derive(Reflect), reflect(Component, Debug, Default))]
         #[cfg_attr(all(feature = "bevy_reflect", feature = "serde"), reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize))]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-        #[component(on_insert = crate::children::changed_kind, on_remove = crate::children::lost_kind, summary_tick)]
+        #[component(on_insert = parts::changed_kind, on_remove = parts::lost_kind, summary_tick)]
         #[require($($Essential,)* $($Computed,)* Transform)]
         pub enum RigidBody {
             /// Moved by forces and contacts. The default.

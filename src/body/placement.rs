@@ -30,7 +30,8 @@ use smallvec::SmallVec;
 pub struct Teleport;
 
 /// The transforms of bodies and of their ancestors.
-pub(super) type Placed<'w, 's> = Query<'w, 's, (&'static Transform, Option<&'static ChildOf>)>;
+pub(in crate::body) type Placed<'w, 's> =
+    Query<'w, 's, (&'static Transform, Option<&'static ChildOf>)>;
 
 /// The pose that the user gave the body through `Transform` (or, for a new body, through `Pose`), if the body was moved. A change of a
 /// parent's `Transform` between two steps moves the body too, but for a dynamic body below a kinematic one; see
@@ -94,7 +95,7 @@ pub(crate) fn local_pose(
 impl BodyState {
     /// Sends a kinematic body to the pose of its `Transform`: gives it the velocity that takes it there by the end of the step. Returns
     /// false if it would be too fast, or if its pose is invalid.
-    pub(super) fn send(
+    pub(in crate::body) fn send(
         &mut self,
         from: Pose,
         to: Pose,

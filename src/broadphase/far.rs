@@ -2,9 +2,8 @@
 //! it does not come near to: in a falling heap this is so for most overlaps. Such an overlap waits, and the two bodies get a contact pair
 //! in the step in which the narrowphase may find a contact.
 
-use super::{Broadphase, FAT};
+use super::{Broadphase, FAT, Reach};
 use crate::body::{BodyState, BodyTable};
-use crate::narrowphase::Reach;
 use crate::solver::Both;
 use glam::Vec3;
 

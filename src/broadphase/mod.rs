@@ -8,11 +8,12 @@
 
 mod escaped_aabb;
 mod far;
+mod reach;
 
 pub use escaped_aabb::escaped_aabb;
+pub(crate) use reach::Reach;
 
-use crate::body::{BodyState, BodyTable, cover};
-use crate::collider::Collider;
+use crate::body::{BodyState, BodyTable, collider::Collider, cover};
 use crate::settings::{Gravity, StabilizationSettings, StepTime};
 use crate::stored::clone_fields;
 use bevy_ecs::prelude::*;

@@ -36,8 +36,7 @@ pub use advance::{characters, take_places};
 
 use crate::body::{Pose, RigidBody};
 use crate::broadphase::escaped_aabb;
-use crate::components::any_with;
-use crate::plugin::init;
+use crate::components::{any_with, init};
 use crate::profile::{Profile, own};
 use crate::query::{Ground, MoveAndSlide};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};

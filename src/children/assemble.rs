@@ -1,47 +1,23 @@
 //! Part of the stage *prepare* and of a refresh: makes the shapes of bodies whose parts have changed.
 
 use super::carry::carry;
-use super::compound::{CompoundCollider, is_separate};
-use super::gather::{ColliderOf, Part, body_of, gather, is_real_body, scale_of};
-use super::implicit::{ImplicitBody, make_body, take_body};
+use super::implicit::{make_body, take_body};
+use crate::body::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
+use crate::body::parts::{
+    ColliderOf, CompoundCollider, ImplicitBody, Part, Unassembled, body_of, gather, is_real_body,
+    is_separate, scale_of,
+};
 use crate::body::{Density, Mass, RigidBody, WrittenTransforms, weigh_body};
-use crate::collider::{Collider, CollisionLayers, Friction, Restitution, RollingFriction};
 use crate::components::{FindId, holders_in, remove};
 use crate::diagnosis::{BodyProblem, PartProblem, Suspects, Told};
 use bevy_ecs::component::Components;
-use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::{ChildOf, Children};
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use bevy_transform::components::Transform;
 use glam::Vec3;
-
-/// Entities at or below which colliders may have changed their body since the last step.
-#[derive(Resource, Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(clone_behavior = Ignore, map_entities)]
-#[doc(hidden)]
-pub struct Unassembled(Vec<Entity>);
-
-impl Unassembled {
-    pub(super) fn push(&mut self, entity: Entity) {
-        self.0.push(entity);
-    }
-}
-
-/// Contains the colliders that were spawned before the plugins were added, when no hook noted them.
-impl FromWorld for Unassembled {
-    fn from_world(world: &mut World) -> Self {
-        Self(holders_in(world, &[Components::component_id::<Collider>]))
-    }
-}
-
-impl MapEntities for Unassembled {
-    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
-        self.0.map_entities(mapper);
-    }
-}
 
 /// Filter for parts that were written. Values that are the same as before change nothing.
 type Written = (
@@ -82,7 +58,7 @@ const OWNED: &[FindId] = &[Components::component_id::<ColliderOf>];
 pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
     let searches = searches.get_or_insert_with(|| Searches::from_world(world));
     carry(world);
-    let mut roots = std::mem::take(&mut world.resource_mut::<Unassembled>().0);
+    let mut roots = world.resource_mut::<Unassembled>().take();
     roots.extend(searches.written.iter(world));
     let mut bodies: Vec<Entity> = searches.redefined.iter(world).collect();
     bodies.append(&mut world.resource_mut::<WrittenTransforms>().rescaled);
@@ -123,7 +99,7 @@ pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
         }
     }
     // The hooks have noted what was changed here.
-    world.resource_mut::<Unassembled>().0.clear();
+    world.resource_mut::<Unassembled>().take();
 }
 
 /// The scale with which a shape was made.

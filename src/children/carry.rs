@@ -1,7 +1,6 @@
 //! Bodies below another body move with it.
 
-use super::gather::body_of;
-use super::implicit::ImplicitBody;
+use crate::body::parts::{ImplicitBody, body_of};
 use crate::body::{BodyIndex, BodyTable, MassProperties, Pose, Velocity};
 use crate::components::holders_in;
 use bevy_ecs::component::Components;

@@ -1,32 +1,12 @@
-//! Bodies that were made of colliders that cannot be parts of a body: alone, or without volume.
+//! Makes bodies of colliders that cannot be parts of a body: alone, or without volume.
 
 use crate::body::{
     BodyIndex, MassProperties, Motion, Pose, Quarantined, RigidBody, Sleeping, Teleport, Velocity,
+    parts::ImplicitBody,
 };
 use crate::components::{FindId, remove};
 use bevy_ecs::component::Components;
 use bevy_ecs::prelude::*;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-
-/// Marks a collider that has no body above it, and was made a static body for that reason. Also a mesh, height field, triangle or
-/// half-space below a static or kinematic body, which was made a body of that kind.
-///
-/// If the entity gets a body above it that it can be a part of, it loses its [`RigidBody`] again. Insert a `RigidBody` to make it a body of
-/// its own.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "bevy_reflect",
-    derive(Reflect),
-    reflect(Component, Debug, Default)
-)]
-#[cfg_attr(
-    all(feature = "bevy_reflect", feature = "serde"),
-    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
-)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(clone_behavior = Ignore)]
-pub struct ImplicitBody;
 
 /// Makes a collider a body of this kind.
 pub(super) fn make_body(world: &mut World, entity: Entity, kind: RigidBody) {

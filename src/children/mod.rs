@@ -89,26 +89,11 @@
 
 mod assemble;
 mod carry;
-mod compound;
-mod gather;
-mod hooks;
 mod implicit;
-mod parts;
+mod observers;
 mod stay;
-mod surface;
 
-pub use assemble::{Unassembled, assemble};
-pub use compound::CompoundCollider;
-pub(crate) use compound::{compound_mass, shape_of};
-pub use gather::ColliderOf;
-use gather::scale_of;
-pub(crate) use gather::{body_of, has_few};
-pub(crate) use hooks::{
-    changed_kind, child_enabled, child_joined, child_left, collider_inserted, lost_kind, mark,
-    mark_if_part, sensor_changed,
-};
-pub use implicit::ImplicitBody;
-pub use parts::PatchParts;
-pub(crate) use parts::{BodyParts, Zone};
+pub use crate::body::parts::{ColliderOf, CompoundCollider, ImplicitBody, Unassembled};
+pub use assemble::assemble;
+pub(crate) use observers::{child_enabled, child_joined, child_left};
 pub use stay::stay;
-pub(crate) use surface::PatchSurface;

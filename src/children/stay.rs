@@ -4,7 +4,9 @@
 //! hierarchy did so too, a brick on a ship would move twice as far as the ship. So the `Transform` of each dynamic body below is replaced
 //! by the one that leaves the body where it was when the last step ended, before *prepare* compares the two.
 
-use crate::body::{BodyTable, Pose, RigidBody, Teleport, local_pose, user_pose, velocity_between};
+use crate::body::{
+    BodyTable, Pose, RigidBody, Teleport, local_pose, parts::scale_of, user_pose, velocity_between,
+};
 use crate::components::holders_in;
 use crate::settings::{SpeedLimits, StepTime};
 use bevy_ecs::component::Components;
@@ -100,7 +102,7 @@ fn before(world: &World, body: Entity) -> Transform {
     Transform {
         translation: pose.position,
         rotation: pose.rotation,
-        scale: super::scale_of(world, body),
+        scale: scale_of(world, body),
     }
 }
 

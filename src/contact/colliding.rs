@@ -1,8 +1,8 @@
 //! Which bodies a body touches, as a component.
 
-use super::PairsRef;
 use crate::body::{BodyIndex, BodyTable};
 use crate::graph::ConstraintGraph;
+use crate::pair::PairsRef;
 use crate::settings::StepTime;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;

@@ -1,36 +1,17 @@
 //! The stage **contact events**: reports when bodies begin and cease to touch, as messages, and as entity events for observers of bodies
 //! that have [`ContactEvents`].
 
-use super::{
-    ContactForce, ContactForceEvents, ContactImpulses, ContactPair, Manifold, PairsMut, Part,
-};
-use crate::body::{BodyTable, SpawnOrder};
+use super::{ContactForce, ContactForceEvents};
+use crate::body::{BodyTable, ContactEvents};
 use crate::graph::{ConstraintGraph, EdgeKind};
+use crate::pair::{ContactImpulses, ContactPair, EndedPairs, Manifold, PairsMut, Part};
 use crate::settings::StepTime;
 use crate::solver::sort;
 use bevy_ecs::entity::{Entities, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
-use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use bevy_reflect::Reflect;
 use glam::Vec3;
-
-/// Marks a body on which [`ContactStarted`] and [`ContactEnded`] are triggered for observers. The messages are sent for all bodies.
-///
-/// A body that gets it while it touches others is told of these in the next step, so that every [`ContactEnded`] has a [`ContactStarted`]
-/// before it.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "bevy_reflect",
-    derive(Reflect),
-    reflect(Component, Debug, Default)
-)]
-#[cfg_attr(
-    all(feature = "bevy_reflect", feature = "serde"),
-    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
-)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(on_remove = crate::body::lost_description, summary_tick)]
-pub struct ContactEvents;
 
 /// Two bodies began to touch. It is sent in the step in which they first exert a force on each other or come within the collision envelope.
 /// As an entity event its target is `body`; as a message `body` is A of the pair.
@@ -112,13 +93,6 @@ pub struct ContactEnded {
     pub other: Entity,
 }
 
-/// Pairs that were removed after [`ContactStarted`] was sent for them, so that [`ContactEnded`] must follow.
-#[derive(Resource, Clone, Debug, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(clone_behavior = Ignore, map_entities)]
-#[doc(hidden)]
-pub struct EndedPairs(pub(crate) Vec<([SpawnOrder; 2], [Entity; 2])>);
-
 /// Events for observers that are triggered after the step.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -128,14 +102,6 @@ pub struct Untriggered {
     started: Vec<ContactStarted>,
     ended: Vec<ContactEnded>,
     pub(super) forces: Vec<ContactForce>,
-}
-
-impl MapEntities for EndedPairs {
-    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
-        for (_, bodies) in &mut self.0 {
-            bodies.map_entities(mapper);
-        }
-    }
 }
 
 impl MapEntities for Untriggered {

@@ -33,13 +33,12 @@
 //! assert!((events[0].impulse - 5327.0).abs() < 50.0); // the blow, and the weight for a step
 //! ```
 
-use super::PairsRef;
 use super::events::Untriggered;
 use crate::body::{BodyIndex, BodyTable, Inactive};
 use crate::graph::ConstraintGraph;
+use crate::pair::PairsRef;
 use crate::settings::StepTime;
-use crate::solver::Both;
-use crate::solver::sort;
+use crate::solver::{Both, sort};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};

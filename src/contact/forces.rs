@@ -35,10 +35,12 @@
 //! # let _ = ground;
 //! ```
 
-use super::{ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch, PairsRef};
 use crate::body::{BodyIndex, BodyTable, Inactive, RigidBody};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
-use crate::joint::{JointEdge, JointForces};
+use crate::joint_types::{JointEdge, JointForces};
+use crate::pair::{
+    ContactAnchors, ContactImpulses, ContactPair, Manifold, ManifoldPatch, PairsRef,
+};
 use crate::settings::{Gravity, StepTime};
 use crate::solver::sort;
 use bevy_ecs::prelude::*;

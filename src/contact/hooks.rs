@@ -1,10 +1,9 @@
 //! Contact hooks: a user's code that decides which pairs have contacts, and changes their contacts, between detection and solve.
 
-use super::{ContactPair, Manifold};
-use crate::body::{BodyState, KeptProperty};
+use crate::body::BodyState;
+use crate::pair::{ContactPair, Manifold};
+use crate::settings::ActiveSettings;
 use bevy_ecs::prelude::*;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::Vec3;
 use std::fmt;
 use std::sync::Arc;
@@ -69,14 +68,16 @@ impl ContactHooks {
         Self(Arc::new(hook))
     }
 
-    /// Returns true for the same hook, not just an equal one.
-    pub(crate) fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
-    }
-
     pub(crate) fn hook(&self) -> &dyn ContactHook {
         &*self.0
     }
+}
+
+/// Notes whether the hook is another one than in the last step.
+pub(crate) fn note_hooks(world: &mut World) {
+    let hooks = world.get_resource::<ContactHooks>();
+    let now = hooks.map(|hooks| Arc::clone(&hooks.0) as Arc<dyn Send + Sync>);
+    world.resource_mut::<ActiveSettings>().note_hooks(now);
 }
 
 impl fmt::Debug for ContactHooks {
@@ -84,63 +85,6 @@ impl fmt::Debug for ContactHooks {
         f.write_str("ContactHooks")
     }
 }
-
-/// Calls the [`ContactHooks`] for contacts of this body. It is enough that one body of a pair has it.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(
-    feature = "bevy_reflect",
-    derive(Reflect),
-    reflect(Component, Debug, Default)
-)]
-#[cfg_attr(
-    all(feature = "bevy_reflect", feature = "serde"),
-    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
-)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(on_remove = crate::body::lost_description, summary_tick)]
-pub struct ActiveContactHooks {
-    /// Whether [`ContactHook::filter_pair`] is called. Default: false.
-    pub filter_pairs: bool,
-    /// Whether [`ContactHook::modify_contacts`] is called. Default: false.
-    pub modify_contacts: bool,
-    /// A number of the user's, for the hook: `body.properties.hooks.user_data`. Default: 0.
-    pub user_data: u64,
-}
-
-impl ActiveContactHooks {
-    /// Calls [`ContactHook::filter_pair`].
-    pub const FILTER_PAIRS: Self = Self {
-        filter_pairs: true,
-        modify_contacts: false,
-        user_data: 0,
-    };
-    /// Calls [`ContactHook::modify_contacts`].
-    pub const MODIFY_CONTACTS: Self = Self {
-        filter_pairs: false,
-        modify_contacts: true,
-        user_data: 0,
-    };
-    /// Calls both.
-    pub const ALL: Self = Self {
-        filter_pairs: true,
-        modify_contacts: true,
-        user_data: 0,
-    };
-
-    /// Returns true if some method of the hook is called.
-    pub(crate) const fn asks(&self) -> bool {
-        self.filter_pairs || self.modify_contacts
-    }
-
-    /// With a number of the user's.
-    #[must_use]
-    pub const fn with_user_data(mut self, user_data: u64) -> Self {
-        self.user_data = user_data;
-        self
-    }
-}
-
-impl KeptProperty for ActiveContactHooks {}
 
 /// The contacts of a pair, for a hook to change. They are combined from the two bodies anew in every step.
 #[derive(Debug)]
@@ -259,14 +203,4 @@ fn numbered_points<'a>(
                 (i, hooked)
             })
         })
-}
-
-impl BodyState {
-    /// Velocity of its surface against its material, m/s, world axes.
-    pub(crate) fn surface_velocity(&self) -> Vec3 {
-        match self.properties.surface_velocity.0 {
-            Vec3::ZERO => Vec3::ZERO,
-            velocity => self.pose.rotation * velocity,
-        }
-    }
 }

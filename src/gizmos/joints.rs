@@ -3,7 +3,7 @@
 
 use super::PhysicsGizmos;
 use crate::body::BodyTable;
-use crate::joint::JointEdge;
+use crate::joint_types::JointEdge;
 use bevy_color::Color;
 use bevy_ecs::prelude::*;
 use bevy_gizmos::config::GizmoConfigStore;
@@ -41,7 +41,7 @@ pub(super) fn joints(
     for edge in &joints {
         let [(one, frame, center), (other, turned, far)] = edge.placed(&table);
         if let Some(section) = &edge.definition.section {
-            let [a, b, c, d] = crate::mortar::corners(section, one, frame);
+            let [a, b, c, d] = crate::joint_types::corners(section, one, frame);
             for [from, to] in [[a, b], [b, c], [c, d], [d, a], [a, c]] {
                 gizmos.line(from, to, MORTAR);
             }

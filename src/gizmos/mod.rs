@@ -24,14 +24,14 @@
 mod joints;
 mod outline;
 
-use crate::body::{BodyIndex, BodyState, BodyTable, Pose, RigidBody, Sleeping};
-use crate::broadphase::Broadphase;
-use crate::children::CompoundCollider;
-use crate::collider::Collider;
-use crate::contact::{
-    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Contacts, Manifold,
+use crate::body::{
+    BodyIndex, BodyState, BodyTable, Pose, RigidBody, Sleeping, collider::Collider,
+    parts::CompoundCollider,
 };
+use crate::broadphase::Broadphase;
+use crate::contact::Contacts;
 use crate::graph::Islands;
+use crate::pair::{ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold};
 use crate::settings::Gravity;
 use bevy_app::{App, Plugin, PostUpdate};
 use bevy_color::{Alpha, Color};

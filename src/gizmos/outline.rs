@@ -1,6 +1,6 @@
 //! The outlines of shapes, in the frame of their body.
 
-use crate::collider::Collider;
+use crate::body::collider::Collider;
 use glam::Vec3;
 use parry3d::shape::{SharedShape, TypedShape};
 

@@ -1,7 +1,6 @@
 //! Hands that hold the body that a ray points at.
 
-use super::{Grab, HeldBy, let_go_of};
-use crate::body::RigidBody;
+use crate::body::{Grab, HeldBy, RigidBody, let_go_of};
 use crate::diagnosis::Told;
 use crate::query::{QueryFilter, Ray3d, SpatialQuery};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, refresh};

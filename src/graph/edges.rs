@@ -11,9 +11,8 @@
 //! The cost of every operation depends only on the number of neighbours of the bodies involved, not on the size of the graph.
 
 use super::active::ActiveRows;
-use crate::body::make_room;
-use crate::solver::Both;
-use crate::solver::sort;
+use crate::body::{WORLD, make_room};
+use crate::solver::{Both, sort};
 use crate::stored::{clone_fields, copy, copy_into};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
@@ -41,10 +40,6 @@ impl EdgeKind {
         }
     }
 }
-
-/// The slot of the world, as an end of an edge: a body that nothing moves, of support level 0. It is not in the
-/// [`BodyTable`](crate::body::BodyTable).
-pub(crate) const WORLD: u32 = u32::MAX;
 
 /// An edge that links its two bodies: something to solve acts between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,10 +1,9 @@
 //! The forces of contacts on bodies, as they were at the end of the last step in which each was solved.
 
 use super::ConstraintGraph;
-use super::account::Wrench;
 use super::edges::{EdgeKind, Link};
 use crate::body::SpawnOrder;
-use crate::contact::{ContactImpulses, ContactPair, Manifold, PairsRef};
+use crate::pair::{ContactImpulses, ContactPair, Manifold, PairsRef, Wrench};
 use crate::solver::sort;
 use bevy_ecs::system::SystemParam;
 use smallvec::SmallVec;

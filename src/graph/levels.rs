@@ -14,8 +14,8 @@
 //! 2. *Shorter ways.* Bodies without a level, and bodies at new links, take the lowest level that their neighbours allow, from the lowest
 //!    up.
 
-use super::edges::{ConstraintGraph, WORLD};
-use crate::body::cover;
+use super::edges::ConstraintGraph;
+use crate::body::{WORLD, cover};
 use crate::stored::clone_fields;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

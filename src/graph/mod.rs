@@ -43,11 +43,10 @@ mod sleeping;
 pub(crate) mod tests;
 mod waking;
 
-pub(crate) use account::Wrench;
 pub use activation::{activate, any_disturbed};
 pub(crate) use drift::Drift;
 pub use edges::ConstraintGraph;
-pub(crate) use edges::{EdgeKind, WORLD};
+pub(crate) use edges::EdgeKind;
 pub use islands::{Islands, activation, islands};
 pub use pairs::pair_changes;
 pub(crate) use pairs::{end_pairs, report, warn};

@@ -19,14 +19,14 @@
 //! Kry, *Adaptive Merging for Rigid Body Simulation*, ACM Transactions on Graphics 39(4), 2020.
 
 use super::ConstraintGraph;
-use super::account::{Accounts, Wrench};
+use super::account::Accounts;
 use super::edges::{EdgeKind, Link};
 use super::forces::Forces;
 use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, ExternalImpulse, Sleeping};
-use crate::joint::JointEdge;
-use crate::solver::Both;
-use crate::solver::sort;
+use crate::joint_types::JointEdge;
+use crate::pair::Wrench;
+use crate::solver::{Both, sort};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 use smallvec::SmallVec;

@@ -10,17 +10,15 @@ use super::active::find_active_rows;
 use super::edges::EdgeKind;
 use super::room::with_room;
 use crate::body::{BodyState, BodyTable, SpawnOrder};
-use crate::broadphase::Broadphase;
-use crate::contact::{
+use crate::broadphase::{Broadphase, Reach};
+use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
+use crate::pair::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, EndedPairs, LostPairs, Manifold,
     NarrowphaseCache, PairParts,
 };
-use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
-use crate::narrowphase::Reach;
+use crate::restored::{Restored, RestoredContacts};
 use crate::revision::Revision;
-use crate::saving::{Restored, RestoredContacts};
-use crate::solver::Both;
-use crate::solver::sort;
+use crate::solver::{Both, sort};
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;

@@ -1,10 +1,10 @@
 //! Tests that compare the views of the graph with a search through the whole graph, after every change of randomly drawn graphs.
 
 use super::ConstraintGraph;
-use super::edges::{EdgeKind, WORLD};
+use super::edges::EdgeKind;
 use super::islands::Islands;
 use super::levels::{self, Kind, Levels};
-use crate::body::{BodyIndex, BodyState, BodyTable, Pose, RigidBody, SpawnOrder, Velocity};
+use crate::body::{BodyIndex, BodyState, BodyTable, Pose, RigidBody, SpawnOrder, Velocity, WORLD};
 use bevy_ecs::prelude::*;
 use fastrand::Rng;
 use std::collections::{BTreeMap, BTreeSet};

@@ -9,13 +9,13 @@
 //!   [need](super::need) it.
 
 use super::ConstraintGraph;
-use super::account::Wrench;
 use super::drift::Drift;
 use super::edges::EdgeKind;
 use super::islands::{Islands, is_among};
 use super::need::{Need, Sleepers};
 use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, Velocity};
+use crate::pair::Wrench;
 use crate::settings::Waking;
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;

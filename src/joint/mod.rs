@@ -61,78 +61,22 @@
 //! *joint*. *Warm start* gathers the joints of each island, in the order of their bodies and then in spawn order. *Solve* computes them
 //! together with contacts, and writes [`JointForces`]. Joints that break are disabled at the end of the step.
 
-mod builder;
-mod changes;
-mod definition;
-mod distance;
-mod edge;
-mod error;
-mod fixed;
-mod forces;
-mod frame;
-mod generic;
-mod list;
-mod prismatic;
+mod events;
+mod joints;
 mod query;
-mod revolute;
-mod spherical;
-mod spring;
 
-pub use crate::solver::{JointAxis, JointMotor};
-pub(crate) use builder::joint_ends;
-pub use changes::joints;
-pub(crate) use changes::update;
-pub use definition::JointLimits;
-pub(crate) use definition::{JointDefinition, JointEnds, JointType};
-pub use distance::DistanceJoint;
 #[doc(hidden)]
-pub use edge::JointChanges;
-pub use edge::JointEdge;
-pub use error::{JointError, JointProblem, QuarantinedJoint};
-pub use fixed::FixedJoint;
+pub use crate::joint_types::JointChanges;
+pub use crate::joint_types::{
+    BreakForce, DistanceJoint, FixedJoint, GenericJoint, JointAnchor, JointAxes, JointAxis,
+    JointBasis, JointDisabled, JointEdge, JointError, JointForces, JointFrame, JointLimits,
+    JointMotor, JointProblem, PrismaticJoint, QuarantinedJoint, RevoluteJoint, SphericalJoint,
+    SpringJoint,
+};
+pub(crate) use events::trigger;
 #[doc(hidden)]
-pub use forces::BrokenJoints;
-#[doc(hidden)]
-pub use forces::any_broke;
-pub(crate) use forces::trigger;
-pub use forces::{BreakForce, JointBroke, JointForces, joint_events};
-pub use frame::{JointAnchor, JointBasis, JointFrame};
-pub use generic::{GenericJoint, JointAxes};
-#[cfg(feature = "bevy_reflect")]
-pub(crate) use list::register;
-pub(crate) use list::{added, look_again, set_bodies, visit};
-pub use prismatic::PrismaticJoint;
+pub use events::{BrokenJoints, any_broke};
+pub use events::{JointBroke, joint_events};
+pub use joints::joints;
+pub(crate) use joints::update;
 pub use query::{BodyJoint, Joints, joints_of};
-pub use revolute::RevoluteJoint;
-pub use spherical::SphericalJoint;
-pub use spring::SpringJoint;
-
-use bevy_ecs::prelude::*;
-use bevy_ecs::world::DeferredWorld;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-
-/// Marks a joint that is switched off: it does nothing, and its bodies collide. Remove the component to switch it on again. A joint that
-/// broke has it.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "bevy_reflect",
-    derive(Reflect),
-    reflect(Component, Debug, Default)
-)]
-#[cfg_attr(
-    all(feature = "bevy_reflect", feature = "serde"),
-    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
-)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(on_insert = list::look_again)]
-pub struct JointDisabled;
-
-/// Looks at a joint again that was disabled as an entity.
-pub(crate) fn look_at_disabled(world: &mut DeferredWorld, joint: Entity) {
-    if world.get::<JointEdge>(joint).is_some()
-        && let Some(mut changes) = world.get_resource_mut::<JointChanges>()
-    {
-        changes.written.push(joint);
-    }
-}

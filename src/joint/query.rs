@@ -1,9 +1,9 @@
 //! The joints of bodies: [`Joints`], a system parameter.
 
-use super::{JointEdge, JointForces};
 use crate::body::BodyTable;
 use crate::contact::NotABody;
 use crate::graph::{ConstraintGraph, EdgeKind};
+use crate::joint_types::{JointEdge, JointForces};
 use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;

@@ -1,8 +1,7 @@
 //! Arches of voussoirs.
 
 use super::{Block, MasonryError, error};
-use crate::body::Pose;
-use crate::collider::Collider;
+use crate::body::{Pose, collider::Collider};
 use bevy_math::ops;
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;

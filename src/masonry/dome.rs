@@ -1,8 +1,7 @@
 //! Domes of rings.
 
 use super::{Block, MasonryError, error};
-use crate::body::Pose;
-use crate::collider::Collider;
+use crate::body::{Pose, collider::Collider};
 use crate::solver::Both;
 use bevy_math::ops;
 use glam::{Quat, Vec3};

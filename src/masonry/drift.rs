@@ -1,7 +1,6 @@
 //! Movement since the last edit: which bodies have moved or gone besides those that were edited.
 
-use crate::body::{BodyIndex, BodyTable, Pose, RigidBody};
-use crate::preview::Moved;
+use crate::body::{BodyIndex, BodyTable, Moved, Pose, RigidBody};
 use crate::solver::sort;
 use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;

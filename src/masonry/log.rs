@@ -8,9 +8,7 @@ use std::collections::VecDeque;
 use thiserror::Error;
 
 use super::drift::{Drift, Watched};
-use crate::body::{BodyTable, Pose, RigidBody, Velocity, local_pose};
-use crate::grab::Grab;
-use crate::preview::Moved;
+use crate::body::{BodyTable, Grab, Moved, Pose, RigidBody, Velocity, local_pose};
 
 /// A list of edits to bodies with undo and redo. Edits made through it can be taken back.
 ///

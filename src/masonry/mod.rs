@@ -63,8 +63,7 @@ pub use snap::{Snapped, snap};
 pub use stacks::{CardHouse, Pyramid, Tower};
 pub use wall::{Opening, Wall};
 
-use crate::body::{Pose, RigidBody};
-use crate::collider::Collider;
+use crate::body::{Pose, RigidBody, collider::Collider};
 use bevy_ecs::bundle::NoBundleEffect;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]

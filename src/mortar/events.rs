@@ -1,9 +1,8 @@
 //! Bonds that break.
 
 use crate::body::{BodyTable, SpawnOrder};
-use crate::joint::JointEdge;
-use crate::solver::sort;
-use crate::solver::{MortarFailure, Utilization};
+use crate::joint_types::JointEdge;
+use crate::solver::{MortarFailure, Utilization, sort};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]

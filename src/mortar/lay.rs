@@ -3,13 +3,12 @@
 //! It makes a joint for each patch in the same step, and ends the pairs of bodies that are bonded, so that they do not fall for a step.
 //! Pairs are visited in spawn order, so the bonds do not depend on entities.
 
-use super::patch::Patch;
-use super::{Mortar, MortarJoint};
 use crate::body::{BodyIndex, BodyTable, Quarantined, RigidBodyDisabled, SpawnOrder};
 use crate::components::{holders_in, remove};
-use crate::contact::{ContactPair, Manifold};
 use crate::graph::{ConstraintGraph, EdgeKind, activate, end_pairs};
 use crate::joint;
+use crate::joint_types::{Mortar, MortarJoint, Patch};
+use crate::pair::{ContactPair, Manifold};
 use crate::settings::StabilizationSettings;
 use crate::solver::sort;
 use bevy_ecs::component::Components;

@@ -71,81 +71,12 @@
 //! ms. At rest it sleeps and costs nothing. Under [the point solvers](crate::solver::points) bonds are weak.
 
 mod events;
-mod joint;
 mod lay;
-mod patch;
 
+pub use crate::joint_types::{Mortar, MortarJoint};
 pub use crate::solver::MortarFailure;
-#[doc(hidden)]
-pub use events::BrokenMortar;
-#[doc(hidden)]
-pub use events::any_broke;
 pub(crate) use events::trigger;
+#[doc(hidden)]
+pub use events::{BrokenMortar, any_broke};
 pub use events::{MortarBroke, mortar_events};
-pub use joint::MortarJoint;
-#[cfg(feature = "gizmos")]
-pub(crate) use joint::corners;
 pub use lay::lay_mortar;
-
-use bevy_ecs::prelude::*;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-
-/// Fresh mortar on a body: in the first step in which it rests on other bodies, face to face, it is bonded to all of them, and the
-/// component is removed. Insert it again to bond the body to what it touches by then.
-///
-/// The default has the characteristic strengths of clay bricks in a common cement mortar (EN 1996-1-1, 3.6: M2.5 to M9).
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "bevy_reflect",
-    derive(Reflect),
-    reflect(Component, Debug, Default)
-)]
-#[cfg_attr(
-    all(feature = "bevy_reflect", feature = "serde"),
-    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
-)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Mortar {
-    /// Tensile strength, Pa. Default: 100 kPa.
-    pub tensile_strength: f32,
-    /// Shear strength without pressure, Pa. Default: 200 kPa.
-    pub cohesion: f32,
-    /// Shear strength gained per pressure on the patch. Default: 0.4. It acts while the bond holds; then the friction of the bodies does.
-    pub friction: f32,
-}
-
-impl Default for Mortar {
-    fn default() -> Self {
-        Self {
-            tensile_strength: 1e5,
-            cohesion: 2e5,
-            friction: 0.4,
-        }
-    }
-}
-
-impl Mortar {
-    /// Mortar of these tensile and shear strengths, Pa.
-    pub fn new(tensile_strength: f32, cohesion: f32) -> Self {
-        Self {
-            tensile_strength,
-            cohesion,
-            ..Self::default()
-        }
-    }
-
-    /// The lesser strength of each kind.
-    fn weaker(&self, other: &Self) -> Self {
-        Self {
-            tensile_strength: self.tensile_strength.min(other.tensile_strength),
-            cohesion: self.cohesion.min(other.cohesion),
-            friction: self.friction.min(other.friction),
-        }
-    }
-
-    fn is_valid(&self) -> bool {
-        // A comparison with NaN is false.
-        self.tensile_strength >= 0.0 && self.cohesion >= 0.0 && self.friction >= 0.0
-    }
-}

@@ -2,8 +2,7 @@
 
 use super::Rules;
 use crate::body::BodyState;
-use crate::children::PatchParts;
-use crate::contact::{ContactPoint, FeatureId, Manifold, ManifoldPatch};
+use crate::pair::{ContactPoint, FeatureId, Manifold, ManifoldPatch, PatchParts};
 use crate::solver::sort;
 use glam::Vec3;
 use smallvec::SmallVec;

@@ -3,7 +3,7 @@
 //! Parry's manifold has only the nearest point. Between nearly parallel capsules it jumps from one end to the other when they tilt
 //! slightly, and a capsule that lies on another would drop each time.
 
-use crate::contact::ParryManifold;
+use crate::pair::ParryManifold;
 use glam::Vec3;
 use parry3d::math::Pose;
 use parry3d::query::details::closest_points_segment_segment_with_locations;

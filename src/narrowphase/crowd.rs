@@ -8,13 +8,12 @@
 
 use super::is_idle;
 use crate::body::BodyTable;
-use crate::contact::{ContactPair, Manifold, Origins, PairState, PairsMut, Part, reorder};
 use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::graph::ConstraintGraph;
+use crate::pair::{ContactPair, Manifold, Origins, PairState, PairsMut, Part, reorder};
 use crate::revision::Revision;
 use crate::settings::StepTime;
-use crate::solver::Both;
-use crate::solver::sort;
+use crate::solver::{Both, sort};
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 

@@ -10,7 +10,7 @@ use super::polyhedra::{
 use super::round::{self, Part};
 use super::{parry, passing, rolling};
 use crate::body::BodyState;
-use crate::contact::{Manifold, NarrowphaseCache};
+use crate::pair::{Manifold, NarrowphaseCache};
 use crate::solver::Both;
 use glam::{DVec3, Quat, Vec3};
 use smallvec::smallvec;

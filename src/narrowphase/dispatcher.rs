@@ -7,7 +7,7 @@ use super::forms::{Form, WithTwo, ours, with_two};
 use super::polyhedra::{Axis, Contact, Placement, Search, Solid, separate, touch, touch_along};
 use super::round::{self, Found, Part};
 use crate::body::BodyState;
-use crate::contact::ParryManifold;
+use crate::pair::ParryManifold;
 use glam::{DVec3, Vec3};
 use parry3d::math::Pose;
 use parry3d::query::details::*;

@@ -2,8 +2,7 @@
 
 use super::polyhedra::{Cuboid, Solid, Triangle};
 use super::round::frustum::Frustum;
-use crate::body::BodyState;
-use crate::collider::Polyhedron;
+use crate::body::{BodyState, collider::Polyhedron};
 use parry3d::shape::{Shape, TypedShape};
 
 /// A shape whose contacts drystone computes itself.

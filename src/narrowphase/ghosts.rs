@@ -12,8 +12,8 @@
 //! Other engines remove such contacts within a mesh: see *ghost vertices* in Box2D and *enhanced internal edge removal* in Jolt.
 
 use crate::body::{BodyState, BodyTable};
-use crate::contact::Manifold;
 use crate::graph::ConstraintGraph;
+use crate::pair::Manifold;
 use glam::{Vec3, Vec3Swizzles};
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose;

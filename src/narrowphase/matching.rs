@@ -2,7 +2,7 @@
 //! carried along. Matched points inherit impulses, sticking and anchors.
 
 use super::polyhedra::FeatureId;
-use crate::contact::{ContactPoint, Manifold, ManifoldPatch, Origins};
+use crate::pair::{ContactPoint, Manifold, ManifoldPatch, Origins};
 use glam::Quat;
 use smallvec::SmallVec;
 
@@ -69,7 +69,7 @@ pub(crate) fn match_patches(old: &Manifold, new: &Manifold) -> Origins {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::inherit;
+    use crate::pair::inherit;
     use glam::Vec3;
 
     fn manifold(xs: &[f32]) -> Manifold {

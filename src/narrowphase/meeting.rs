@@ -10,7 +10,7 @@ use super::forms::{Form, ours};
 use super::passing;
 use super::polyhedra::Axis;
 use crate::body::BodyState;
-use crate::contact::{Manifold, NarrowphaseCache};
+use crate::pair::{Manifold, NarrowphaseCache};
 use crate::solver::Both;
 use glam::Vec3;
 

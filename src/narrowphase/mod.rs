@@ -30,11 +30,12 @@ use ghosts::Surroundings;
 #[doc(hidden)]
 pub use modify::modify_contacts;
 
-use crate::contact::{
+use crate::broadphase::Reach;
+use crate::graph::ConstraintGraph;
+use crate::pair::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, Manifold, NarrowphaseCache,
     PairState, PairsMut, Part, reorder, revise_edited,
 };
-use crate::graph::ConstraintGraph;
 use crate::revision::Revision;
 use crate::settings::{
     Gravity, NarrowphaseSettings, PhysicsThreads, StabilizationSettings, StepTime,
@@ -112,59 +113,6 @@ pub fn narrowphase(
     // It decides only how the work of the next step is divided, and no result.
     *detected = detections.into_inner();
     graph.report(changed.into_inner().unwrap_or_else(PoisonError::into_inner));
-}
-
-/// How far from each other two bodies may be to have contacts in this step.
-#[derive(Clone, Copy)]
-pub(crate) struct Reach {
-    /// Thickness of the collision envelope, m.
-    outer: f32,
-    /// Change of speed by gravity in the step, m/s.
-    fall: f32,
-    /// Length of the step, s.
-    pub dt: f32,
-    recycle_share: f32,
-}
-
-impl Reach {
-    fn new(
-        stabilization: &StabilizationSettings,
-        manifolds: &NarrowphaseSettings,
-        time: &StepTime,
-        gravity: &Gravity,
-    ) -> Self {
-        Self {
-            outer: stabilization.outer_distance(),
-            fall: gravity.0.length() * time.dt,
-            dt: time.dt,
-            recycle_share: manifolds.recycle_share,
-        }
-    }
-
-    pub fn of(world: &World) -> Self {
-        Self::new(
-            world.resource(),
-            world.resource(),
-            world.resource(),
-            world.resource(),
-        )
-    }
-
-    /// The distance within which surfaces may meet in this step, m.
-    fn meeting(&self, a: &BodyState, b: &BodyState) -> f32 {
-        self.outer.max(0.0) + approach(a, b, self.dt) + self.fall * self.dt
-    }
-
-    /// The motion within which a manifold is kept, m.
-    fn little(&self, a: &BodyState, b: &BodyState) -> f32 {
-        self.recycle_share * a.size.min(b.size)
-    }
-
-    /// The distance beyond which the contacts of two bodies are not even searched, m. It is larger than that of a search: a body that is
-    /// hit in this step moves farther than it was expected to.
-    pub fn search(&self, a: &BodyState, b: &BodyState) -> f32 {
-        self.meeting(a, b) + self.little(a, b)
-    }
 }
 
 /// Finds the contacts of new pairs outside the stage.
@@ -373,8 +321,3 @@ fn put_apart(a: &BodyState, b: &BodyState) -> bool {
 
 /// Movements below this are rounding, m.
 const ROUNDING: f32 = 1e-5;
-
-/// Upper bound of how much nearer two surfaces can come within the step, m, from the velocities before forces.
-fn approach(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
-    (a.velocity.linear - b.velocity.linear).length() * dt + a.swept_margin + b.swept_margin
-}

@@ -3,13 +3,13 @@
 //! It visits only pairs of bodies that have one of these components, on several threads if they are many. A pair that loses points is
 //! detected anew in the next step, so that a hook always sees all points.
 
-use crate::body::{BodyIndex, BodyState, BodyTable, Simulated, limits};
-use crate::collider::SurfaceVelocity;
-use crate::contact::{
-    ActiveContactHooks, ContactHook, ContactHooks, ContactModification, Manifold, MovingSurfaces,
-    Origins, PairColumns, PairState, PairsMut, reorder,
+use crate::body::{
+    ActiveContactHooks, BodyIndex, BodyState, BodyTable, Simulated, collider::SurfaceVelocity,
+    limits,
 };
+use crate::contact::{ContactHook, ContactHooks, ContactModification};
 use crate::graph::ConstraintGraph;
+use crate::pair::{Manifold, MovingSurfaces, Origins, PairColumns, PairState, PairsMut, reorder};
 use crate::revision::Revision;
 use crate::settings::{PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::entity::EntityHashSet;

@@ -5,10 +5,8 @@ use super::candidates::{Candidate, Candidates, max_points, push, sort_deepest_fi
 use super::dispatcher::Dispatcher;
 use super::polyhedra::FeatureId;
 use super::{reduction, rolling};
-use crate::body::BodyState;
-use crate::children::PatchParts;
-use crate::collider::is_surface;
-use crate::contact::{Manifold, NarrowphaseCache, ParryCache};
+use crate::body::{BodyState, collider::is_surface};
+use crate::pair::{Manifold, NarrowphaseCache, ParryCache, PatchParts};
 use glam::Vec3;
 use parry3d::query::{PersistentQueryDispatcher, TrackedContact};
 use parry3d::shape::{PackedFeatureId, Shape, TypedShape};

@@ -5,9 +5,9 @@
 //! along the motion of the step, and pairs that miss each other have no contact. Conversely, a pair without points that face each other,
 //! such as corner against corner, may have some before the end of the step.
 
+use crate::body::collider::{Approach, first_touch};
 use crate::body::{BodyState, Pose};
-use crate::collider::{Approach, first_touch};
-use crate::contact::Manifold;
+use crate::pair::Manifold;
 use crate::solver::Both;
 use glam::{Quat, Vec3};
 use parry3d::query::{ShapeCastOptions, Unsupported, cast_shapes, contact, distance};

@@ -8,7 +8,7 @@
 //! In a falling heap this applies to nine pairs of ten.
 
 use crate::body::BodyState;
-use crate::contact::{CachedRelativePose, Manifold, NarrowphaseCache, ParryManifold};
+use crate::pair::{CachedRelativePose, Manifold, NarrowphaseCache, ParryManifold};
 use crate::solver::Both;
 use glam::{Quat, Vec3};
 

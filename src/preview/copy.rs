@@ -1,11 +1,13 @@
 //! Copies of bodies and contacts, in a world with the same settings.
 
 use crate::DrystonePlugins;
-use crate::body::{BodyState, BodyTable, ExternalImpulse, Pose, Sleeping, Velocity};
-use crate::children::CompoundCollider;
-use crate::contact::{ContactHooks, ContactPair, PairParts, PairsMut, clone_pair};
-use crate::graph::{ConstraintGraph, Drift, Islands, Wrench};
-use crate::joint;
+use crate::body::{
+    BodyState, BodyTable, ExternalImpulse, Pose, Sleeping, Velocity, parts::CompoundCollider,
+};
+use crate::contact::ContactHooks;
+use crate::graph::{ConstraintGraph, Drift, Islands};
+use crate::joint_types;
+use crate::pair::{ContactPair, PairParts, PairsMut, Wrench, clone_pair};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::settings::{ActiveSettings, SleepSettings, StepTime};
 use crate::state::{self, Role, copy_settings, parts_of};
@@ -197,7 +199,7 @@ pub(super) fn copy_joint(
     world.get_entity(joint).ok()?;
     let mut parts = parts_of(world, joint, Role::Joint);
     for part in &mut parts {
-        joint::set_bodies(part, bodies);
+        joint_types::set_bodies(part, bodies);
     }
     let mut copy = shadow.spawn_empty();
     Values::insert_all_into(&mut parts, &mut copy);

@@ -55,11 +55,11 @@ mod error;
 mod region;
 mod shadow;
 
+pub use crate::body::Moved;
 pub use error::PreviewError;
 pub use shadow::Shadow;
 
-use crate::body::Pose;
-use crate::collider::Collider;
+use crate::body::{Pose, collider::Collider};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
@@ -112,17 +112,6 @@ pub struct Preview {
     pub at_rest: bool,
     /// The simulated time, s.
     pub time: f32,
-}
-
-/// A body that moves from one pose to another.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moved {
-    /// The body.
-    pub body: Entity,
-    /// Its pose before.
-    pub from: Pose,
-    /// Its pose after.
-    pub to: Pose,
 }
 
 impl Preview {

@@ -2,11 +2,11 @@
 
 use super::PreviewError;
 use super::copy::{Contact, contact};
-use crate::body::{BodyState, BodyTable, Pending, is_body};
+use crate::body::{BodyState, BodyTable, Pending, WORLD, is_body};
 use crate::broadphase::Broadphase;
-use crate::contact::ContactPair;
-use crate::graph::{ConstraintGraph, EdgeKind, WORLD};
-use crate::joint::{self, JointEdge};
+use crate::graph::{ConstraintGraph, EdgeKind};
+use crate::joint_types::{self, JointEdge};
+use crate::pair::ContactPair;
 use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::{HashMap, HashSet};
@@ -43,7 +43,7 @@ impl<'w> Region<'w> {
             structure: HashSet::default(),
             bereft: HashSet::default(),
             pending: Vec::new(),
-            added: joint::added(world),
+            added: joint_types::added(world),
         };
         let pending = world.resource::<Pending>();
         let pending = pending.is_of(table).then_some(pending);

@@ -3,13 +3,11 @@
 use super::copy::{Activity, OriginalState, copy, copy_joint, empty, to_transform};
 use super::region::Region;
 use super::{Edit, Moved, Preview, PreviewError, PreviewSettings};
-use crate::body::{BodyState, Pose, RigidBody, Sleeping, Velocity};
-use crate::children::shape_of;
-use crate::collider::{Collider, CollisionExceptions};
+use crate::body::collider::{Collider, CollisionExceptions};
+use crate::body::{BodyState, Pose, RigidBody, Sleeping, Velocity, parts::shape_of};
 use crate::graph::Islands;
 use crate::schedule::step;
-use crate::settings::STEP_LENGTHS;
-use crate::settings::{Preset, SleepSettings, StepTime};
+use crate::settings::{Preset, STEP_LENGTHS, SleepSettings, StepTime};
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;

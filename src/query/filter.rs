@@ -1,7 +1,6 @@
 //! Filters: which bodies a query considers, and how it treats the body it starts in.
 
-use crate::body::BodyState;
-use crate::collider::CollisionLayers;
+use crate::body::{BodyState, collider::CollisionLayers};
 use bevy_ecs::prelude::*;
 use std::fmt;
 

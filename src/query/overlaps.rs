@@ -5,7 +5,7 @@ use super::pieces::Piece;
 use super::touches::contact;
 use super::{QueryError, QueryFilter, SpatialQuery, Target};
 use crate::body::Pose;
-use crate::collider::{Collider, is_surface};
+use crate::body::collider::{Collider, is_surface};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 

@@ -6,8 +6,7 @@
 //! into than shapes that touch: what it would overlap as well if it was lifted off what it touches.
 
 use super::{QueryFilter, SpatialQuery};
-use crate::body::Pose;
-use crate::collider::Collider;
+use crate::body::{Pose, collider::Collider};
 use glam::{Quat, Vec3};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose as ParryPose;

@@ -1,7 +1,7 @@
 //! Casts of a shape against another, part by part.
 
 use super::touches::{Touches, contact, start};
-use crate::collider::{Approach, TOUCH, first_touch};
+use crate::body::collider::{Approach, TOUCH, first_touch};
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose as ParryPose;

@@ -6,10 +6,8 @@
 use super::kinds;
 use super::resources::{Resource, Value};
 use crate::body::SpawnOrder;
-use crate::snapshot::SnapshotError;
 use crate::snapshot::bytes::{read, write};
-use crate::snapshot::layout::Kinds;
-use crate::snapshot::renaming::Renaming;
+use crate::snapshot::{SnapshotError, layout::Kinds, renaming::Renaming};
 use crate::state;
 use crate::stored::erased::Values;
 use bevy_ecs::component::ComponentId;

@@ -1,10 +1,8 @@
 //! What recording and replay do with each component on the list of the [state](crate::state).
 
 use crate::body::{new_rows, newer_than};
-use crate::snapshot::SnapshotError;
 use crate::snapshot::bytes::{decode, encode};
-use crate::snapshot::renaming::Renaming;
-use crate::snapshot::replace_if_other;
+use crate::snapshot::{SnapshotError, renaming::Renaming, replace_if_other};
 use crate::stored::Role;
 use crate::stored::erased::{How, In, Kind, Values};
 use bevy_ecs::change_detection::Tick;

@@ -86,6 +86,5 @@ mod watch;
 pub use error::RecordingError;
 pub use plugin::RecordingPlugin;
 pub use recorder::{Recorder, RecorderSettings};
-pub(crate) use recorder::{begin, end};
 pub use recording::Recording;
 pub use replay::{Divergence, Replay};

@@ -5,8 +5,8 @@ use super::digest::Hasher;
 use super::error::RecordingError;
 use super::watch::{Found, Removed, Watch};
 use crate::body::SpawnOrder;
-use crate::snapshot::bytes::write;
-use crate::snapshot::{Snapshot, SnapshotError};
+use crate::schedule::AroundStep;
+use crate::snapshot::{Snapshot, SnapshotError, bytes::write};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::RemoveEvent;
 use bevy_ecs::prelude::*;
@@ -89,6 +89,10 @@ impl Recorder {
             state: Some(Box::new(state)),
             ..Self::default()
         });
+        world.insert_resource(AroundStep {
+            before: begin,
+            after: end,
+        });
         Ok(())
     }
 
@@ -98,6 +102,7 @@ impl Recorder {
     /// If the world is not being recorded, or if the recording has stopped by itself.
     pub fn stop(world: &mut World) -> Result<Vec<u8>, RecordingError> {
         let recorder = world.remove_resource::<Self>();
+        world.remove_resource::<AroundStep>();
         let mut recorder = recorder.ok_or(RecordingError::IsNotRecording)?;
         let Some(mut state) = recorder.state.take() else {
             return Err(recorder.error.unwrap_or(RecordingError::IsNotRecording));
@@ -348,7 +353,7 @@ fn put_back(world: &mut World, mut state: Box<State>, result: Result<usize, Reco
 }
 
 /// A step of `dt` s begins.
-pub(crate) fn begin(world: &mut World, dt: f32) {
+fn begin(world: &mut World, dt: f32) {
     if world.contains_resource::<Recorder>() {
         // Commands that wait belong to what was changed, so they come before the recorder is taken out: it notes what they remove.
         world.flush();
@@ -360,7 +365,7 @@ pub(crate) fn begin(world: &mut World, dt: f32) {
 }
 
 /// A step has ended. Observers of what happened in it have not run yet; what they write counts as written after the step.
-pub(crate) fn end(world: &mut World) {
+fn end(world: &mut World) {
     if let Some(mut state) = take(world) {
         let result = state.end(world);
         put_back(world, state, result.map(|()| 1));

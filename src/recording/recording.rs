@@ -6,10 +6,9 @@ use super::edits::Edits;
 use super::error::RecordingError;
 use super::recorder::flags;
 use super::resources::{self, Resource};
-use crate::collider::SharedShapes;
+use crate::body::collider::SharedShapes;
 use crate::settings::STEP_LENGTHS;
-use crate::snapshot::bytes::read;
-use crate::snapshot::{Snapshot, SnapshotError};
+use crate::snapshot::{Snapshot, SnapshotError, bytes::read};
 use std::fmt;
 use std::path::Path;
 

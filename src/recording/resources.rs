@@ -1,10 +1,9 @@
 //! What recording and replay do with each resource on the list of the [state](crate::state).
 
 use crate::body::{BodyTable, Noted};
-use crate::joint::JointChanges;
-use crate::snapshot::SnapshotError;
+use crate::joint_types::JointChanges;
 use crate::snapshot::bytes::{decode, encode, read, write};
-use crate::snapshot::renaming::Renaming;
+use crate::snapshot::{SnapshotError, renaming::Renaming};
 use crate::state;
 use crate::stored::Role;
 use crate::stored::erased::{Kind, Values};

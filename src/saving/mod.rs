@@ -22,11 +22,9 @@
 
 mod restore;
 mod save;
-mod saved;
 
 #[doc(hidden)]
-pub use restore::Restored;
-pub(crate) use restore::RestoredContacts;
+pub use crate::restored::Restored;
+pub use crate::restored::{Saved, SavedContact};
 pub use restore::{any_saved, restore};
 pub use save::{computed, prepare, settings};
-pub use saved::{Saved, SavedContact};

@@ -1,12 +1,11 @@
 //! Saving.
 
-use super::{Saved, SavedContact};
-use crate::body::{BodyIndex, BodyTable, SpawnOrder};
+use crate::body::{BodyIndex, BodyTable, SensorOverlaps, SpawnOrder};
 use crate::components::holders_in;
-use crate::contact::{ContactPair, clone_pair};
 use crate::graph::Islands;
-use crate::joint::JointForces;
-use crate::sensor::SensorOverlaps;
+use crate::joint_types::JointForces;
+use crate::pair::{ContactPair, clone_pair};
+use crate::restored::{Saved, SavedContact};
 use crate::settings::StepTime;
 use crate::solver::sort;
 use crate::state::{self, Role};

@@ -1,8 +1,7 @@
 //! The exact comparison of a sensor with a body.
 
 use super::zones::{Content, placed};
-use crate::body::{BodyState, Pose, RigidBody};
-use crate::children::Zone;
+use crate::body::{BodyState, Pose, RigidBody, parts::Zone};
 use crate::solver::sort;
 use glam::Vec3;
 use parry3d::math::Pose as ParryPose;

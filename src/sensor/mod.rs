@@ -55,42 +55,11 @@
 
 mod detect;
 mod events;
-mod overlaps;
 mod stage;
 mod zones;
 
+pub use crate::body::{Sensor, SensorOverlap, SensorOverlaps};
 pub(crate) use events::trigger;
 pub use events::{SensorEntered, SensorExited, UntriggeredSensorEvents};
-pub use overlaps::{SensorOverlap, SensorOverlaps};
 pub use stage::sensors;
 pub use zones::Sensors;
-
-use bevy_ecs::lifecycle::HookContext;
-use bevy_ecs::prelude::*;
-use bevy_ecs::world::DeferredWorld;
-#[cfg(feature = "bevy_reflect")]
-use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-
-/// Marks a collider that detects bodies and touches nothing; see the [module](self). [`SensorOverlaps`] says who is inside.
-///
-/// On a body it applies to the body's own collider: a dynamic body without other colliders falls through everything, with the mass of its
-/// sensors. On a part of a body it applies to that part, which then has no mass.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "bevy_reflect",
-    derive(Reflect),
-    reflect(Component, Debug, Default)
-)]
-#[cfg_attr(
-    all(feature = "bevy_reflect", feature = "serde"),
-    reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
-)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[component(on_insert = crate::children::sensor_changed, on_remove = removed)]
-#[require(SensorOverlaps)]
-pub struct Sensor;
-
-/// Hook of [`Sensor`]: the collider is solid from the next step on.
-fn removed(mut world: DeferredWorld, context: HookContext) {
-    crate::children::mark(&mut world, context.entity);
-}

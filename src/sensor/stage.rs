@@ -2,12 +2,13 @@
 
 use super::detect::Detector;
 use super::events::{SensorEntered, SensorExited, UntriggeredSensorEvents};
-use super::overlaps::{SensorOverlap, SensorOverlaps};
 use super::zones::{Content, Sensors, Tracked, box_of};
-use crate::body::{BodyIndex, BodyState, BodyTable, PlacedActive, PlacedBodies, Pose, RigidBody};
+use crate::body::{
+    BodyIndex, BodyState, BodyTable, PlacedActive, PlacedBodies, Pose, RigidBody, SensorOverlap,
+    SensorOverlaps, parts::CompoundCollider,
+};
 use crate::broadphase::Broadphase;
-use crate::children::CompoundCollider;
-use crate::saving::Restored;
+use crate::restored::Restored;
 use crate::solver::{Both, sort};
 use bevy_ecs::prelude::*;
 use parry3d::bounding_volume::BoundingVolume;

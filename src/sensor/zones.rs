@@ -5,8 +5,7 @@
 //! - `inside` lists the zones of which a body is a part of the contents, by its slot.
 //! - No result depends on the order of zones or on the shape of the tree, which depend on their history.
 
-use crate::body::{BodyState, BodyTable, Pose, SpawnOrder};
-use crate::children::Zone;
+use crate::body::{BodyState, BodyTable, Pose, SpawnOrder, parts::Zone};
 use crate::revision::Revision;
 use bevy_ecs::entity::{EntityHashMap, EntityMapper, MapEntities};
 use bevy_ecs::prelude::*;

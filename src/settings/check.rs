@@ -4,11 +4,11 @@ use super::{
     Gravity, NarrowphaseSettings, NormalStabilization, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, Waking,
 };
-use crate::body::limits;
-use crate::contact::ContactHooks;
 use crate::diagnosis::StepError;
+use crate::limits;
 use bevy_ecs::prelude::*;
 use std::fmt;
+use std::sync::Arc;
 
 /// The settings that the last step used. It tells whether settings have changed, and what to go back to if they are invalid.
 #[derive(Resource, Clone, Default, Debug)]
@@ -28,14 +28,17 @@ pub struct ActiveSettings {
     changes: u64,
     /// Whether some settings differ from those of the step before. Sleeping bodies are woken then.
     pub changed: bool,
-    /// Whether [`ContactHooks`] was replaced, inserted or removed since the step before. Sleeping bodies whose contacts it decides about
+    /// Whether [`ContactHooks`](crate::contact::ContactHooks) was replaced, inserted or removed since the step before. Sleeping bodies whose contacts it decides about
     /// are woken then.
     pub(crate) hooks_changed: bool,
 }
 
+/// The code of [`ContactHooks`](crate::contact::ContactHooks), which stands above the settings: only whether it is the same matters here.
+pub(crate) type ContactCode = Arc<dyn Send + Sync>;
+
 /// The hook of the last step: `None` if that is not known, `Some(None)` if there was none. Its `Debug` tells nothing, as that of code does.
 #[derive(Clone, Default)]
-struct LastHooks(Option<Option<ContactHooks>>);
+struct LastHooks(Option<Option<ContactCode>>);
 
 impl fmt::Debug for LastHooks {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -47,6 +50,20 @@ impl ActiveSettings {
     /// How often settings have been changed.
     pub(crate) fn changes(&self) -> u64 {
         self.changes
+    }
+
+    /// Notes whether the hook of contacts is another one than in the last step.
+    pub(crate) fn note_hooks(&mut self, now: Option<ContactCode>) {
+        let is_same = |last: &Option<ContactCode>| match (last, &now) {
+            (Some(last), Some(now)) => Arc::ptr_eq(last, now),
+            (last, now) => last.is_none() && now.is_none(),
+        };
+        let changed = self.hooks.0.as_ref().is_some_and(|last| !is_same(last));
+        if changed || self.hooks.0.is_none() {
+            self.hooks.0 = Some(now);
+        }
+        self.hooks_changed = changed;
+        self.changes += u64::from(changed);
     }
 }
 
@@ -62,7 +79,6 @@ trait Checked: Resource + Clone {
 
 /// Sets back settings that are invalid or were removed, and notes whether any have changed.
 pub(crate) fn check(world: &mut World) {
-    look_at_hooks(world);
     let last = world.resource::<ActiveSettings>();
     let is_same = is_same(world, &last.gravity)
         && is_same(world, &last.stabilization)
@@ -90,22 +106,6 @@ pub(crate) fn check(world: &mut World) {
     last.steps += 1;
     last.changes += u64::from(last.changed);
     world.insert_resource(last);
-}
-
-/// Notes whether the hook of contacts is another one than in the last step.
-fn look_at_hooks(world: &mut World) {
-    let now = world.get_resource::<ContactHooks>().cloned();
-    let mut last = world.resource_mut::<ActiveSettings>();
-    let is_same = |last: &Option<ContactHooks>| match (last, &now) {
-        (Some(last), Some(now)) => last.is_same(now),
-        (last, now) => last.is_none() && now.is_none(),
-    };
-    let changed = last.hooks.0.as_ref().is_some_and(|last| !is_same(last));
-    if changed || last.hooks.0.is_none() {
-        last.hooks.0 = Some(now);
-    }
-    last.hooks_changed = changed;
-    last.changes += u64::from(changed);
 }
 
 /// Returns true if a resource is valid and has not changed.

@@ -28,11 +28,11 @@ pub use stabilization::{
     AnchorRule, Classifier, FrictionStabilization, NormalStabilization, StabilizationSettings,
 };
 pub use threads::PhysicsThreads;
-pub use time::{STEP_LENGTHS, StepTime};
+pub use time::StepTime;
 
-use crate::body::Velocity;
-use crate::solver::Both;
-use crate::solver::Settling;
+pub use crate::limits::STEP_LENGTHS;
+
+use crate::solver::{Both, Settling};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
@@ -85,19 +85,6 @@ impl Default for SpeedLimits {
             linear: 1000.0,
             angular: 10_000.0,
         }
-    }
-}
-
-impl SpeedLimits {
-    /// Returns true if the velocity is within the limits.
-    pub fn allow(&self, velocity: &Velocity) -> bool {
-        velocity.linear.length() <= self.linear && velocity.angular.length() <= self.angular
-    }
-
-    /// Clamps a velocity to the limits.
-    pub(crate) fn cap(&self, velocity: &mut Velocity) {
-        velocity.linear = velocity.linear.clamp_length_max(self.linear);
-        velocity.angular = velocity.angular.clamp_length_max(self.angular);
     }
 }
 

@@ -5,12 +5,6 @@ use bevy_math::ops;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Valid lengths of a step, s, in any order. Single precision cannot divide by shorter ones; longer ones are a mistake.
-///
-/// What rests stays at rest in steps up to half a second. In very short ones motion is coarse: a body moves if its way in the step is more
-/// than half the rounding of its coordinates, 2·10⁻⁷ m between 2 and 4 m from the origin. Its speed is exact all the same.
-pub const STEP_LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
-
 /// Number and length of the current substep. Written by [`step`](crate::step()); read-only for other systems.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(

@@ -69,8 +69,7 @@ pub use difference::Difference;
 pub use error::SnapshotError;
 
 use crate::body::BodyTable;
-use crate::settings::Columns;
-use crate::settings::PhysicsThreads;
+use crate::settings::{Columns, PhysicsThreads};
 use crate::solver::join::join;
 use crate::state;
 use bevy_ecs::entity::{Entity, EntityHashMap, SceneEntityMapper};

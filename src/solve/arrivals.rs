@@ -8,7 +8,7 @@
 
 use super::patches::{settle, settle_joined};
 use super::{Solve, SolveRows};
-use crate::joint::JointForces;
+use crate::joint_types::JointForces;
 use crate::solver::JointConstraint;
 use crate::warm_start::{GatherContext, Island, Joints, Pairs, PatchRows, ProblemSet, Stored};
 

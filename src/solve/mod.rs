@@ -22,15 +22,13 @@ mod store;
 pub(crate) use patches::{keep, settle};
 
 use crate::body::{ActiveBodies, BodyTable, Velocity, limits};
-use crate::contact::{ContactImpulses, Manifold};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
 use crate::mortar::BrokenMortar;
+use crate::pair::{ContactImpulses, Manifold};
 use crate::profile::SolvePart;
 use crate::settings::{Columns, Method};
-use crate::solver::join::join;
-use crate::solver::sort;
-use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
+use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport, join::join, sort};
 use crate::warm_start::{
     Grabs, Island, IslandProblems, Joints, LARGE, Pairs, ProblemSet, Rows, SolveContext,
 };

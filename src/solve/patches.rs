@@ -1,7 +1,7 @@
 //! Solving a problem of patches, and storing its impulses.
 
 use super::SolveRows;
-use crate::contact::{ContactImpulses, Impulse, Manifold, PatchImpulse};
+use crate::pair::{ContactImpulses, Impulse, Manifold, PatchImpulse};
 use crate::solver::{
     Body, FEW, GrabConstraint, JointConstraint, PatchConstraint, PatchPoint, PatchProblem,
     PatchSolver, SoftStep, SolveReport, patches,

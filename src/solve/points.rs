@@ -1,7 +1,7 @@
 //! Solving a problem of points, and storing its impulses.
 
 use super::SolveRows;
-use crate::contact::{ContactImpulses, Impulse, Lists, Manifold, PatchImpulse, PointFriction, fit};
+use crate::pair::{ContactImpulses, Impulse, Lists, Manifold, PatchImpulse, PointFriction, fit};
 use crate::solver::{
     Body, GrabConstraint, JointConstraint, PointProblem, PointSolver, SolveReport,
 };

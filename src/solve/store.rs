@@ -1,14 +1,12 @@
 //! Storing the results of a solve in the components of bodies, pairs and grabs, which are found by their entities.
 
 use super::{Acting, Solve, SolveRows};
-use crate::body::{ActiveBodies, Motion, SpawnOrder, Velocity, limits};
-use crate::contact::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
-use crate::grab::GrabForce;
-use crate::joint::{JointBroke, JointForces};
+use crate::body::{ActiveBodies, GrabForce, Motion, SpawnOrder, Velocity, limits};
+use crate::joint::JointBroke;
+use crate::joint_types::JointForces;
 use crate::mortar::MortarBroke;
-use crate::solver::Both;
-use crate::solver::groups::Groups;
-use crate::solver::{GrabConstraint, sort};
+use crate::pair::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
+use crate::solver::{Both, GrabConstraint, groups::Groups, sort};
 use crate::warm_start::{Grabs, Island, LARGE, Pairs, ProblemSet, Stored};
 use bevy_ecs::change_detection::DetectChangesMut;
 use glam::Vec3;

@@ -1,8 +1,8 @@
 //! A structure as the input of the cone program: its bodies with the forces on them, and the joints in which they touch.
 
 use crate::body::{BodyState, BodyTable, ExternalForce};
-use crate::contact::{ContactImpulses, ContactPair, Manifold};
 use crate::graph::ConstraintGraph;
+use crate::pair::{ContactImpulses, ContactPair, Manifold};
 use crate::settings::Gravity;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;

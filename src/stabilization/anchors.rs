@@ -4,16 +4,15 @@
 use super::classifier::{ContactImpulse, classify, holds_twist, sticks};
 use super::friction::slip_velocity;
 use crate::body::{BodyState, BodyTable};
-use crate::contact::{
+use crate::graph::{ConstraintGraph, Islands};
+use crate::pair::{
     Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Lists, Manifold,
     ManifoldPatch, PairsMut, Part, PatchAnchor, fit, revise_edited,
 };
-use crate::graph::{ConstraintGraph, Islands};
 use crate::settings::{
     AnchorRule, Classifier, FrictionStabilization, PhysicsThreads, StabilizationSettings, StepTime,
 };
-use crate::solver::Both;
-use crate::solver::Slip;
+use crate::solver::{Both, Slip};
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};

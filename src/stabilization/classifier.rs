@@ -3,7 +3,7 @@
 //! The paper judges each point by itself, and calls that naive. Judged by the sums over a manifold, a slab just below its critical slope
 //! creeps 300 times less, because the load on a single corner says little about the body.
 
-use crate::contact::Anchor;
+use crate::pair::Anchor;
 use crate::settings::Classifier;
 use glam::Vec3;
 

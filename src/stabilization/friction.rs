@@ -4,17 +4,16 @@
 //! have carried its anchor. The solver is given a tangential velocity that corrects this error.
 
 use crate::body::{BodyState, BodyTable};
-use crate::contact::{
+use crate::graph::{ConstraintGraph, Islands};
+use crate::pair::{
     Anchor, ContactAnchors, ContactPoint, ContactTargets, Lists, Manifold, ManifoldPatch,
     MovingSurfaces, PairsMut, Part, PatchAnchor, Target, fit, revise_edited,
 };
-use crate::graph::{ConstraintGraph, Islands};
 use crate::settings::{
     ActiveSettings, AnchorRule, Classifier, PhysicsThreads, SolverSettings, StabilizationSettings,
     StepTime,
 };
-use crate::solver::Both;
-use crate::solver::Slip;
+use crate::solver::{Both, Slip};
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 use bevy_math::ops;

@@ -5,8 +5,8 @@
 //! *lets points come down* that are above it but inside the envelope. Every contact settles on the ideal plane, and none flickers.
 
 use crate::body::BodyTable;
-use crate::contact::{Lists, PairsMut, Part, fit};
 use crate::graph::ConstraintGraph;
+use crate::pair::{Lists, PairsMut, Part, fit};
 use crate::settings::{NormalStabilization, PhysicsThreads, StabilizationSettings, StepTime};
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;

@@ -14,26 +14,29 @@ mod list;
 pub use crate::stored::{Role, Stored, Visitor};
 pub(crate) use list::{copy_settings, list, parts_of};
 
-use crate::body::{self, BodyTable, Inactive, Pending, Quarantined, RigidBodyDisabled, Teleport};
+use crate::body::parts::{ColliderOf, ImplicitBody, Unassembled};
+use crate::body::{
+    self, BodyTable, GrabForce, HeldBy, Inactive, Pending, Quarantined, RigidBodyDisabled, Sensor,
+    SensorOverlaps, Teleport,
+};
 use crate::broadphase::Broadphase;
 use crate::character::{Character, CharacterState};
-use crate::children::{ColliderOf, ImplicitBody, Unassembled};
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
-use crate::contact::{
-    CollidingEntities, ContactAnchors, ContactForceEvents, ContactHooks, ContactImpulses,
-    ContactPair, ContactTargets, EndedPairs, Load, LostPairs, Manifold, MovingSurfaces,
-    NarrowphaseCache, Untriggered,
-};
+use crate::contact::{CollidingEntities, ContactForceEvents, ContactHooks, Load, Untriggered};
 use crate::diagnosis::{Suspects, Told};
-use crate::grab::{GrabForce, Hand, HandState, HeldBy};
+use crate::grab::{Hand, HandState};
 use crate::graph::{ConstraintGraph, Islands};
-use crate::joint::{
-    self, BreakForce, BrokenJoints, JointChanges, JointDisabled, JointEdge, JointForces,
-    QuarantinedJoint,
+use crate::joint::BrokenJoints;
+use crate::joint_types::{
+    self, BreakForce, JointChanges, JointDisabled, JointEdge, JointForces, Mortar, QuarantinedJoint,
 };
-use crate::mortar::{BrokenMortar, Mortar};
-use crate::saving::{Restored, Saved};
-use crate::sensor::{Sensor, SensorOverlaps, Sensors, UntriggeredSensorEvents};
+use crate::mortar::BrokenMortar;
+use crate::pair::{
+    ContactAnchors, ContactImpulses, ContactPair, ContactTargets, EndedPairs, LostPairs, Manifold,
+    MovingSurfaces, NarrowphaseCache,
+};
+use crate::restored::{Restored, Saved};
+use crate::sensor::{Sensors, UntriggeredSensorEvents};
 use crate::settings::{
     ActiveSettings, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
     SpeedLimits, StabilizationSettings, StepTime,
@@ -53,7 +56,7 @@ macro_rules! state {
         /// counters in resources.
         pub fn visit(visitor: &mut impl Visitor) {
             body::visit(visitor);
-            joint::visit(visitor);
+            joint_types::visit(visitor);
             $($(visitor.$method::<$Type>(Role::$role);)+)+
             $(visitor.derived::<$Derived>();)+
         }
@@ -62,7 +65,7 @@ macro_rules! state {
         #[cfg(feature = "bevy_reflect")]
         pub(crate) fn register(app: &mut bevy_app::App) {
             body::register(app);
-            joint::register(app);
+            joint_types::register(app);
             $(register!(app $($hidden)? { $($Type)+ });)+
         }
     };

@@ -1,8 +1,7 @@
 //! What is kept of bodies that are out.
 
 use crate::body::BodyState;
-use crate::contact::{ContactPair, PairParts};
-use crate::graph::Wrench;
+use crate::pair::{ContactPair, PairParts, Wrench};
 use bevy_ecs::entity::Entity;
 use parry3d::bounding_volume::Aabb;
 

@@ -2,11 +2,12 @@
 
 use super::StreamingError;
 use super::region::{Body, Contact, Region};
-use crate::body::{BodyIndex, BodyState, BodyTable, Inactive, Pending, RigidBodyDisabled};
+use crate::body::{
+    BodyIndex, BodyState, BodyTable, Grab, HeldBy, Inactive, Pending, RigidBodyDisabled,
+};
 use crate::broadphase::Broadphase;
-use crate::contact::{LostPairs, clone_pair};
-use crate::grab::{Grab, HeldBy};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
+use crate::pair::{LostPairs, clone_pair};
 use crate::settings::{ActiveSettings, StepTime};
 use crate::solver::sort;
 use bevy_ecs::entity::EntityHashSet;

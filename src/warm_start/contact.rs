@@ -2,9 +2,8 @@
 //! counts as zero.
 
 use crate::body::BodyTable;
-use crate::children::PatchSurface;
-use crate::contact::{
-    ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold, ManifoldPatch,
+use crate::pair::{
+    ContactImpulses, ContactPair, ContactTargets, Impulse, Manifold, ManifoldPatch, PatchSurface,
 };
 use crate::settings::StepTime;
 

@@ -4,8 +4,7 @@ use super::backing::find_backed;
 use super::{IslandOrder, SolveContext, SolverContact};
 use crate::body::{BodyState, BodyTable, Velocity};
 use crate::revision::Revision;
-use crate::solver::Both;
-use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
+use crate::solver::{Body, Both, GrabConstraint, JointConstraint, SolveReport};
 use bevy_platform::collections::HashMap;
 
 /// The contacts of an island in the form that a kind of solver needs: points or patches.

@@ -6,11 +6,9 @@
 use super::{Order, ProblemSet, Rows};
 use crate::body::BodyTable;
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
-use crate::joint::{BreakForce, JointEdge, JointForces};
+use crate::joint_types::{BreakForce, JointEdge, JointForces};
 use crate::revision::Revision;
-use crate::solver::Both;
-use crate::solver::JointConstraint;
-use crate::solver::sort;
+use crate::solver::{Both, JointConstraint, sort};
 use bevy_ecs::prelude::*;
 
 pub(crate) type Joints<'w, 's> = Query<

@@ -24,10 +24,9 @@ mod patches;
 mod points;
 mod problems;
 
-use crate::body::{BodyIndex, BodyTable, Inactive, Simulated};
-use crate::contact::{MovingSurfaces, PairsMut};
-use crate::grab::{Grab, GrabForce};
+use crate::body::{BodyIndex, BodyTable, Grab, GrabForce, Inactive, Simulated};
 use crate::graph::{ConstraintGraph, Islands};
+use crate::pair::{MovingSurfaces, PairsMut};
 use crate::profile::{Profile, SolvePart};
 use crate::settings::{
     Columns, Gravity, Method, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits,

@@ -9,12 +9,11 @@
 use super::Pairs;
 use super::contact::SolverContact;
 use crate::body::{BodyState, BodyTable, SpawnOrder, cover};
-use crate::contact::{ContactImpulses, ContactPair, Manifold, Part, revise_edited};
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
+use crate::pair::{ContactImpulses, ContactPair, Manifold, Part, revise_edited};
 use crate::revision::Revision;
 use crate::settings::PhysicsThreads;
-use crate::solver::join::join;
-use crate::solver::sort;
+use crate::solver::{join::join, sort};
 use bevy_ecs::change_detection::ContiguousMut;
 use bevy_ecs::entity::Entity;
 use smallvec::SmallVec;

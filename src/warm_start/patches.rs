@@ -3,7 +3,7 @@
 use super::contact::start_impulse;
 use super::{Rows, SolveContext, SolverContact};
 use crate::body::make_room;
-use crate::contact::{ContactPoint, Impulse, ManifoldPatch};
+use crate::pair::{ContactPoint, Impulse, ManifoldPatch};
 use crate::settings::StepTime;
 use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;

@@ -12,9 +12,9 @@
 
 use super::{Need, Rising};
 use crate::body::BodyState;
-use crate::contact::{ContactImpulses, ContactPair, Manifold};
-use crate::graph::account::{Accounts, Wrench};
+use crate::graph::account::Accounts;
 use crate::graph::edges::{EdgeKind, Link};
+use crate::pair::{ContactImpulses, ContactPair, Manifold, Wrench};
 use crate::solver::sort;
 use bevy_platform::collections::HashMap;
 use glam::Vec3;

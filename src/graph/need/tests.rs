@@ -1,7 +1,6 @@
 use super::*;
 use crate::DrystonePlugins;
-use crate::body::RigidBody;
-use crate::collider::Collider;
+use crate::body::{RigidBody, collider::Collider};
 use bevy_app::App;
 use bevy_ecs::system::SystemState;
 use bevy_transform::components::Transform;

@@ -16,7 +16,7 @@
 use super::cuboid;
 use super::placement::Placement;
 use super::solid::Solid;
-use crate::contact::cache::Axis;
+use crate::pair::cache::Axis;
 use crate::solver::Both;
 use glam::DVec3;
 use smallvec::SmallVec;

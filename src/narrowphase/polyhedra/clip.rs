@@ -6,7 +6,7 @@
 //! face it belongs.
 
 use super::solid::{Side, Solid};
-use crate::contact::FeatureId;
+use crate::pair::FeatureId;
 use crate::solver::Both;
 use glam::DVec3;
 use smallvec::SmallVec;

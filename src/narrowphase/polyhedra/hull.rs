@@ -1,7 +1,7 @@
 //! A convex hull as a [`Solid`].
 
 use super::solid::{Ridge, Side, Solid};
-use crate::collider::Polyhedron;
+use crate::body::collider::Polyhedron;
 use glam::DVec3;
 
 impl Solid for Polyhedron {

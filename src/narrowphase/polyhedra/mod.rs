@@ -18,8 +18,8 @@ mod simplify;
 mod solid;
 mod triangle;
 
-pub use crate::contact::FeatureId;
-pub use crate::contact::cache::Axis;
+pub use crate::pair::FeatureId;
+pub use crate::pair::cache::Axis;
 pub use axis::{Separation, Separations, separate};
 pub use clip::{Clipped, Origin, Outline, Space, clip, facing, longest_facing, outline};
 pub use cuboid::Cuboid;

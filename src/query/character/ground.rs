@@ -1,8 +1,7 @@
 //! What a character stands on.
 
 use super::MoveAndSlide;
-use crate::body::Pose;
-use crate::collider::Collider;
+use crate::body::{Pose, collider::Collider};
 use crate::query::{CastHit, QueryError, QueryFilter, SpatialQuery};
 use bevy_ecs::prelude::*;
 use bevy_math::Dir3;

@@ -17,8 +17,7 @@ pub use ground::Ground;
 pub use slide::CharacterHit;
 
 use super::{QueryError, QueryFilter, SpatialQuery};
-use crate::body::Pose;
-use crate::collider::Collider;
+use crate::body::{Pose, collider::Collider};
 use bevy_math::{Dir3, ops};
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};

@@ -1,8 +1,7 @@
 //! The way of a character: casts, slides and steps.
 
 use super::{Ground, MoveAndSlide};
-use crate::body::Pose;
-use crate::collider::Collider;
+use crate::body::{Pose, collider::Collider};
 use crate::query::{CastHit, QueryError, QueryFilter, SpatialQuery};
 use bevy_ecs::prelude::*;
 use bevy_math::Dir3;

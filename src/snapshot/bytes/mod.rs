@@ -25,7 +25,7 @@ use super::error::SnapshotError;
 use super::layout::{Kinds, Layout, Run};
 use super::resource::Kept;
 use super::{Origin, Snapshot};
-use crate::collider::SharedShapes;
+use crate::body::collider::SharedShapes;
 use crate::stored::erased::Values;
 use bevy_ecs::entity::{Entity, EntityHashMap, EntityHashSet};
 use bevy_ecs::hierarchy::ChildOf;

@@ -6,7 +6,7 @@
 use super::super::Snapshot;
 use super::super::column::Column;
 use super::super::error::SnapshotError;
-use crate::contact::{ContactAnchors, ContactPair};
+use crate::pair::{ContactAnchors, ContactPair};
 use std::any::TypeId;
 
 impl Snapshot {

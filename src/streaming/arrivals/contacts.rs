@@ -3,10 +3,10 @@
 use super::super::region::Contact;
 use super::groups::Group;
 use crate::body::{BodyState, BodyTable};
-use crate::contact::{ContactPair, PairParts};
 use crate::diagnosis::BodyProblem;
 use crate::graph::warn;
 use crate::narrowphase::Detector;
+use crate::pair::{ContactPair, PairParts};
 use bevy_ecs::prelude::*;
 
 /// A structure.

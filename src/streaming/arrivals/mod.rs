@@ -16,18 +16,15 @@ mod loads;
 use super::region::Contact;
 use crate::body::{
     BodyIndex, BodyTable, Inactive, InactiveBodies, NewBodies, RigidBody, Simulated, Sleeping,
-    add_asleep, note_written, with_table,
+    add_asleep, collider::Collider, note_written, with_table,
 };
 use crate::broadphase::{Broadphase, rest_box};
 use crate::collapse::Watch;
-use crate::collider::Collider;
 use crate::diagnosis::BodyProblem;
 use crate::graph::{ConstraintGraph, Islands, report, with_room};
-use crate::joint;
-use crate::mortar::Mortar;
+use crate::joint_types::{self, Mortar};
 use crate::sensor::Sensors;
-use crate::settings::Columns;
-use crate::settings::{Gravity, PhysicsThreads, StabilizationSettings, StepTime};
+use crate::settings::{Columns, Gravity, PhysicsThreads, StabilizationSettings, StepTime};
 use crate::warm_start::SolveContext;
 use bevy_ecs::bundle::NoBundleEffect;
 use bevy_ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
@@ -181,7 +178,7 @@ fn take_grounds(world: &mut World) -> Vec<Entity> {
 
 /// Divides bodies into those that need contacts and loads only, as far as their components tell, and the others.
 fn divide(world: &World, list: Vec<Entity>) -> (Vec<Entity>, Vec<Entity>) {
-    let joined = joint::added(world).into_iter();
+    let joined = joint_types::added(world).into_iter();
     let joined: EntityHashSet = joined.flat_map(|(_, bodies)| bodies).flatten().collect();
     let special = world.try_query_filtered::<Entity, Or<(With<Mortar>, With<Watch>)>>();
     let special: EntityHashSet = special.map_or_else(EntityHashSet::default, |mut special| {

@@ -103,7 +103,7 @@ fn the_first_difference_is_named() {
     impulses.points[1].rest_force += 1.0;
     let found = (
         Some(pair),
-        "drystone::contact::ContactImpulses",
+        std::any::type_name::<ContactImpulses>(),
         "points[1].rest_force".to_owned(),
     );
     assert_eq!(differs(&world), found);

@@ -1,11 +1,11 @@
 //! An island during a step. Its blocks live as long as its contacts do.
 
-use super::block::{Block, Pass, Points};
+use super::contact::block::{Block, Pass, Points};
+use super::contact::kinds::{Kinds, Rigid, Soft};
 use super::grabs::GrabPlaces;
 use super::joints::Joints;
-use super::kinds::{Kinds, Rigid, Soft};
-use super::pipeline::{self, Pipeline, Work};
 use super::spinners::Spinners;
+use super::sweeps::pipeline::{self, Pipeline, Work};
 use crate::Both;
 use crate::batches::Batches;
 use crate::grab::ActiveGrab;
@@ -94,59 +94,59 @@ impl<L: F32xN> Block<L> {
 
 /// An island during a step: its blocks, and the velocities and motions of its bodies.
 pub struct Island<L: F32xN> {
-    pub(super) substeps: usize,
-    /// Number of substeps that are not taken, because the island is [quiet](super::quiet). Contacts give the impulses of the last one in
-    /// each of them.
-    pub(super) skipped: usize,
+    pub substeps: usize,
+    /// Number of substeps that are not taken, because the island is [quiet](super::sweeps::quiet). Contacts give the impulses of the last
+    /// one in each of them.
+    pub skipped: usize,
     /// Springs see no depth beyond this separation, m.
-    pub(super) deepest: f32,
+    pub deepest: f32,
     /// The setting for lanes.
-    pub(super) lanes: Lanes,
+    pub lanes: Lanes,
     /// By patch: the angular frequency of its springs, rad/s. Empty if all have that of the island's spring.
-    pub(super) frequencies: Vec<f32>,
+    pub frequencies: Vec<f32>,
     /// Fastest correction, m/s.
-    pub(super) fastest: f32,
+    pub fastest: f32,
     /// The result of [`stands_by_itself`].
-    pub(super) alone: bool,
+    pub alone: bool,
     /// After which blocks bodies take over the results of their rounds.
-    pub(super) round_ends: RoundEnds,
+    pub round_ends: RoundEnds,
     /// By body: the inverse inertia with which its blocks were prepared, 1/(kg·m²).
-    pub(super) inertias: Vec<Mat3>,
+    pub inertias: Vec<Mat3>,
     /// By body: its inverse inertia differs from that of the last step.
-    pub(super) turned: Vec<bool>,
+    pub turned: Vec<bool>,
     /// Whether that is so for some body.
-    pub(super) any_turned: bool,
+    pub any_turned: bool,
     /// By patch: the revision of the contact that its lane was loaded from. See [`Memory`](crate::Memory).
-    pub(super) loaded: Vec<Revision>,
+    pub loaded: Vec<Revision>,
     /// By patch: its contact has another revision than in the last step.
-    pub(super) changed: Vec<bool>,
+    pub changed: Vec<bool>,
     /// Whether effective masses were computed.
-    pub(super) prepared: bool,
-    pub(super) batches: Batches,
-    pub(super) blocks: Vec<Block<L>>,
-    pub(super) points: Vec<Points<L>>,
+    pub prepared: bool,
+    pub batches: Batches,
+    pub blocks: Vec<Block<L>>,
+    pub points: Vec<Points<L>>,
     /// By body. Then one entry that nothing moves, for lanes without a patch; one for each block that nothing reads; and the seats of
     /// rounds.
-    pub(super) velocities: Vec<State>,
+    pub velocities: Vec<State>,
     /// Velocities at the beginning of the substep.
-    pub(super) before: Vec<State>,
+    pub before: Vec<State>,
     /// Motion of the bodies since detection, m and rad.
-    pub(super) motions: Vec<State>,
+    pub motions: Vec<State>,
     /// Velocities of the free motion, without impulses of contacts and grabs.
-    pub(super) free: Vec<State>,
+    pub free: Vec<State>,
     /// By block: merit of the free motion, J.
-    pub(super) missing: Vec<L>,
+    pub missing: Vec<L>,
     /// By block: Σ W Δλ² of the last sweep, J.
-    pub(super) changes: Vec<L>,
+    pub changes: Vec<L>,
     /// Grabs. They are visited before the contacts of their bodies, so that the contacts they press against decide last.
-    pub(super) grabs: Vec<ActiveGrab>,
-    pub(super) grab_places: GrabPlaces,
+    pub grabs: Vec<ActiveGrab>,
+    pub grab_places: GrabPlaces,
     /// Joints. They are solved after all contacts of a sweep.
-    pub(super) joints: Joints,
+    pub joints: Joints,
     /// None in a step with blows.
-    pub(super) spinners: Spinners,
+    pub spinners: Spinners,
     /// Present once there are threads for it.
-    pub(super) pipeline: Option<Pipeline>,
+    pub pipeline: Option<Pipeline>,
 }
 
 impl<L: F32xN> Island<L> {
@@ -344,7 +344,7 @@ impl<L: F32xN> Island<L> {
     }
 
     /// The pipeline of the last step or a new one, if sweeps may follow each other and may be faster then.
-    pub(super) fn take_pipeline(&mut self, problem: &PatchProblem) -> Option<Pipeline> {
+    pub fn take_pipeline(&mut self, problem: &PatchProblem) -> Option<Pipeline> {
         let kept = self.pipeline.take();
         let overlaps = pipeline::is_worthwhile(problem.threads, self.bytes())
             && self.alone

@@ -1,11 +1,11 @@
 //! The state that Soft Step keeps of an island from step to step.
 
-use super::block::Pass;
 use super::blows::Blows;
+use super::contact::block::Pass;
 use super::island::{Island, batches, rounds, skewed, stands_by_itself};
-use super::load_statistics::BodyLoad;
-use super::skewed_sweeps::SkewedSweeps;
-use super::sweep_budget::Course;
+use super::sweeps::budget::Course;
+use super::sweeps::load_statistics::BodyLoad;
+use super::sweeps::skewed::SkewedSweeps;
 use crate::batches::Batches;
 use crate::lanes::F32xN;
 use crate::{Lanes, PatchProblem};
@@ -94,8 +94,8 @@ impl<L: F32xN> Kept<L> {
         }
     }
 
-    /// Runs the `first` sweeps, and the `others` if the island is not [quiet](super::quiet) after these. The others are divided among
-    /// `threads`.
+    /// Runs the `first` sweeps, and the `others` if the island is not [quiet](super::sweeps::quiet) after these. The others are divided
+    /// among `threads`.
     pub fn sweep_if_needed(
         &mut self,
         problem: &mut PatchProblem,

@@ -1,6 +1,6 @@
 //! Stacks, walls and arches as problems, for tests.
 
-use super::block::{Pass, Spring};
+use super::contact::block::{Pass, Spring};
 use super::island::Island;
 use super::{SoftStep, SweepBudget};
 use crate::batches::Batches;

@@ -3,11 +3,12 @@
 //!
 //! - **Substeps** instead of iterations (Macklin et al. 2019, "Small Steps in Physics Simulation"; Box2D v3's Soft Step). Contacts are
 //!   detected once per step. Normals and arms stay frozen; separations and slips follow the bodies.
-//! - **Soft rows** for normals and for anchored friction ([`block`]): a sweep that has not converged leaves an error of position, which the
-//!   next substeps correct, and not an error of velocity, which would shake the structure. The stiffness of the rows follows the rate of
-//!   sweeps ([`SoftStep::sweeps_per_period`]). The patches of a body share it, since a brick with six neighbours is held by six springs.
-//! - **Sweeps by need** ([`sweep_budget`]): sweeps come at a rate, so that a structure is equally stiff at any step length. Structures that
-//!   are tall, carry much, or have not settled yet get more of them.
+//! - **Soft rows** for normals and for anchored friction ([`contact::block`]): a sweep that has not converged leaves an error of position,
+//!   which the next substeps correct, and not an error of velocity, which would shake the structure. The stiffness of the rows follows the
+//!   rate of sweeps ([`SoftStep::sweeps_per_period`]). The patches of a body share it, since a brick with six neighbours is held by six
+//!   springs.
+//! - **Sweeps by need** ([`sweeps::budget`]): sweeps come at a rate, so that a structure is equally stiff at any step length. Structures
+//!   that are tall, carry much, or have not settled yet get more of them.
 //! - **Impulses carry over whole** from substep to substep. With frozen arms they repeat what they did before, so that forces and warm
 //!   start are an extrapolation of the velocities and cost no pass over the contacts.
 //! - **Every third substep is followed by a rigid sweep** that only stops motion. Without rigid sweeps, disturbances grow from course to
@@ -25,45 +26,32 @@
 //! - **Joints** ([`joints`]) are solved directly, after the contacts of every sweep. Sweeps of their islands do not overlap.
 //! - **Parting** ([`parting`]): bodies that overlap deeply are moved apart and gain no velocity by it.
 //! - **Settling** ([`settling`]): in worlds with sleeping, a tall structure that sways loses speed, so that it comes to rest.
-//! - **Cold start** ([`cold_start`]): a structure that was just built gets impulses and loads that keep it still, and the supports of a
+//! - **Cold start** ([`start`]): a structure that was just built gets impulses and loads that keep it still, and the supports of a
 //!   removed body lose its load.
 //! - **Patches side by side** ([`lanes`](crate::lanes)): four or eight patches, as many as a register holds numbers, are relaxed at
 //!   once, in blocks whose patches share no body ([`batches`](crate::batches)). Where patches stand in a row, a block holds patches
-//!   of several sweeps ([`skewed_sweeps`]). Light bodies on one that is far heavier are relaxed in rounds
+//!   of several sweeps ([`sweeps::skewed`]). Light bodies on one that is far heavier are relaxed in rounds
 //!   ([`rounds`](crate::rounds)).
 //! - The points of a patch share one friction force and one twist, held by one anchor.
 //!
 //! `examples/study` measures the effect of each part; `docs/stability.md` has the results.
 
-mod block;
 mod blows;
-mod carry;
-mod cold_start;
-mod edges;
+mod contact;
 mod gaps;
 mod grabs;
-mod halves;
 mod island;
-mod jointed;
 mod joints;
 mod kept;
-mod kinds;
-mod load_statistics;
-mod locks;
 #[cfg(test)]
 mod masonry;
 mod parting;
-mod pipeline;
-mod quiet;
 mod refresh;
 mod settling;
-mod skewed_sweeps;
 mod spinners;
-mod surface;
-mod sweep_budget;
+mod start;
+mod sweeps;
 mod together;
-mod upright;
-mod visit;
 
 use super::restitution::{self, Bounces};
 use super::{PatchProblem, PatchSolver};
@@ -75,15 +63,15 @@ use crate::width::Width;
 use crate::{Lanes, SolveReport};
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-use block::{Pass, Spring};
+use contact::block::{Pass, Spring};
 use gaps::Gaps;
 #[cfg(target_arch = "x86_64")]
 use island::{skewed, stands_by_itself};
 use kept::{Kept, Scratch};
-use load_statistics::LoadStatistics;
-use quiet::{first_round, may_be_quiet};
 use std::f32::consts::TAU;
-use sweep_budget::SweepBudget;
+use sweeps::budget::SweepBudget;
+use sweeps::load_statistics::LoadStatistics;
+use sweeps::quiet::{first_round, may_be_quiet};
 
 /// Factor by which loads at rest follow more slowly in very tall structures ([`SweepBudget::downwards`]). Such structures sway slowly, and
 /// loads that follow the sway amplify it: a tower of 200 layers of planks falls after 20 s if they follow as usual, sooner with more or
@@ -287,7 +275,7 @@ impl SoftStep {
         } = scratch;
         let mut statistics = LoadStatistics::of(problem, body_loads);
         let bounces = statistics.bounces.then(|| restitution::find(problem));
-        if cold_start::cold_start::<L>(problem, body_loads) {
+        if start::cold_start::<L>(problem, body_loads) {
             statistics = LoadStatistics::of(problem, body_loads);
         }
         let budget = SweepBudget::new(self, problem, (&statistics, &*body_loads), courses);
@@ -361,7 +349,7 @@ impl SoftStep {
 pub fn settle(problem: &mut PatchProblem) {
     let mut body_loads = Vec::new();
     LoadStatistics::of(problem, &mut body_loads);
-    let Some(search) = cold_start::start_at_rest(problem, &body_loads) else {
+    let Some(search) = start::start_at_rest(problem, &body_loads) else {
         return;
     };
     match SoftStep::default().width(problem, &mut None) {

@@ -1,10 +1,10 @@
 //! The begin and the end of a step for blocks: they load the state of a problem, and store the results.
 
-use super::block::{Pass, Spring};
-use super::halves::Part;
+use super::contact::block::{Pass, Spring};
 use super::island::Island;
 use super::joints::Contacts;
-use super::pipeline::Following;
+use super::sweeps::halves::Part;
+use super::sweeps::pipeline::Following;
 use crate::Both;
 use crate::PatchProblem;
 use crate::batches::Batches;
@@ -224,7 +224,7 @@ impl<L: F32xN> Island<L> {
     }
 
     /// Like [`start`](Self::start). Calls `then` after every few blocks, with the number of blocks that are prepared.
-    pub(super) fn start_before(
+    pub fn start_before(
         &mut self,
         problem: &PatchProblem,
         substeps: usize,

@@ -12,7 +12,7 @@
 //! - The island must be tall, and stand on something that does not move. It has no joints, grabs or moving surfaces.
 //! - All of its bodies must be slow, and some faster than at rest.
 
-use super::load_statistics::BodyLoad;
+use super::sweeps::load_statistics::BodyLoad;
 use crate::Both;
 use crate::patches::FEW;
 use crate::{Body, PatchProblem, Settling};

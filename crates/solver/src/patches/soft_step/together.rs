@@ -6,8 +6,8 @@
 
 use super::gaps::Gaps;
 use super::island::{Island, batches, stands_by_itself};
-use super::quiet::{first_round, may_be_quiet};
-use super::sweep_budget::SweepBudget;
+use super::sweeps::budget::SweepBudget;
+use super::sweeps::quiet::{first_round, may_be_quiet};
 use super::{Bounces, PatchSolver, SoftStep, blows, parting, spinners};
 use crate::lanes::F32xN;
 use crate::sort;
@@ -101,7 +101,7 @@ struct Begun {
     number: usize,
     budget: SweepBudget,
     bounces: Option<Bounces>,
-    /// Whether it may be [quiet](super::quiet).
+    /// Whether it may be [quiet](super::sweeps::quiet).
     may_be_quiet: bool,
 }
 
@@ -115,7 +115,7 @@ fn next<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
 impl SoftStep {
     /// Solves each problem: those that get the same sweeps together, and those with joints, blows or deep overlaps alone. `L` are the lanes
     /// in which a problem is solved alone, and `W` those in which problems are solved together. Both give the same bits.
-    pub(super) fn solve_together<L: F32xN, W: F32xN>(
+    pub fn solve_together<L: F32xN, W: F32xN>(
         &self,
         problems: &mut [PatchProblem],
     ) -> Vec<SolveReport> {

@@ -2,16 +2,16 @@
 
 use super::Blows;
 use crate::lanes::{F32xN, Kernel, SpatialVec, cells};
-use crate::patches::soft_step::block::{Block, Points, wrench};
+use crate::patches::soft_step::contact::block::{Block, Points, wrench};
+use crate::patches::soft_step::contact::visit::Carried;
 use crate::patches::soft_step::island::Island;
-use crate::patches::soft_step::visit::Carried;
 
 /// Removes the impulses of a blow before the next substep or step.
-pub(super) struct Forget<'a, L: F32xN> {
-    pub(super) island: &'a mut Island<L>,
-    pub(super) blows: &'a Blows<L>,
+pub struct Forget<'a, L: F32xN> {
+    pub island: &'a mut Island<L>,
+    pub blows: &'a Blows<L>,
     /// Velocities are those of the beginning of a substep, so the removed impulses are taken from them as well.
-    pub(super) pushes: bool,
+    pub pushes: bool,
 }
 
 impl<L: F32xN> Kernel for Forget<'_, L> {

@@ -14,7 +14,7 @@ use crate::Both;
 use crate::groups::Groups;
 use crate::lanes::{F32xN, State};
 use crate::patches::soft_step::island::Island;
-use crate::patches::soft_step::upright::{up, upper};
+use crate::patches::soft_step::start::upright::{up, upper};
 use crate::{Body, PatchProblem};
 use glam::{Vec3, Vec4};
 

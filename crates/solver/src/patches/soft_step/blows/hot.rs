@@ -5,7 +5,7 @@ use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::by_body::ByBody;
 use crate::lanes::F32xN;
-use crate::patches::soft_step::upright::up;
+use crate::patches::soft_step::start::upright::up;
 use fixedbitset::FixedBitSet;
 
 /// A patch is steep if the cosine of its normal to the vertical is less than this.

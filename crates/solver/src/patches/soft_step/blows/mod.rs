@@ -21,13 +21,13 @@ mod forget;
 mod hand_down;
 mod hot;
 
-use super::block::Pass;
-use super::gaps::Gaps;
-use super::island::Island;
-use super::kinds::{MoreRigid, MoreSoft, Soft};
 use crate::Both;
 use crate::body::{speed_of, trace};
 use crate::lanes::{F32xN, Kernel, cells};
+use crate::patches::soft_step::contact::block::Pass;
+use crate::patches::soft_step::contact::kinds::{MoreRigid, MoreSoft, Soft};
+use crate::patches::soft_step::gaps::Gaps;
+use crate::patches::soft_step::island::Island;
 use crate::{Body, PatchConstraint, PatchProblem};
 use bevy_math::FloatPow;
 use forget::Forget;

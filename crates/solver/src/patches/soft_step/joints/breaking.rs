@@ -37,7 +37,7 @@ fn exceeded(log: &Log) -> Option<Utilization> {
 
 impl Joints {
     /// Breaks the sections whose bodies were moved apart since the last step.
-    pub(super) fn break_misfits(&mut self) {
+    pub fn break_misfits(&mut self) {
         for (link, log) in self.links.iter().zip(&mut self.logs) {
             let joint = &self.joints[link.joint];
             let Some(section) = &joint.section else {
@@ -59,7 +59,7 @@ impl Joints {
     }
 
     /// Breaks the sections whose strength has been exceeded in a substep.
-    pub(super) fn break_sections(&mut self) {
+    pub fn break_sections(&mut self) {
         if !self.logs.iter().any(|log| exceeded(log).is_some()) {
             return;
         }

@@ -15,7 +15,7 @@ use crate::Both;
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, State};
-use crate::patches::soft_step::block::{Block, Pass, Points};
+use crate::patches::soft_step::contact::block::{Block, Pass, Points};
 use glam::{Vec3, Vec4};
 use std::cell::Cell;
 

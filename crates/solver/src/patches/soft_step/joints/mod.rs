@@ -20,6 +20,7 @@
 mod borders;
 mod breaking;
 mod factor;
+mod in_sweeps;
 mod leaf;
 mod loads;
 mod member;
@@ -28,7 +29,6 @@ mod row;
 mod sharing;
 mod springs;
 
-use super::block::{Pass, Spring};
 use crate::Both;
 use crate::batches::Batches;
 use crate::groups::Groups;
@@ -36,6 +36,7 @@ use crate::joint::{
     COORDINATES, Geometry, Part, Placement, Times, Utilization, filter_share, rows_of,
 };
 use crate::lanes::{F32xN, State, has_fused};
+use crate::patches::soft_step::contact::block::{Pass, Spring};
 use crate::sort;
 use crate::{JointConstraint, Lanes, PatchProblem};
 use glam::{Mat3, Vec3};

@@ -15,7 +15,7 @@ use super::row::{Bound, Link, Row};
 use super::springs::{self, Springs};
 use crate::Both;
 use crate::lanes::{F32xN, PlainKernel, State, run_plain};
-use crate::patches::soft_step::block::Pass;
+use crate::patches::soft_step::contact::block::Pass;
 use glam::{DVec3, Vec3};
 use std::cell::Cell;
 use std::ops::Range;

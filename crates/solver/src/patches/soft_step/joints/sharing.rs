@@ -11,7 +11,7 @@ const LEAST: f32 = 1e-4;
 
 impl Joints {
     /// Sets the softness of the rows of sections.
-    pub(super) fn share_stiffness(&mut self) {
+    pub fn share_stiffness(&mut self) {
         for piece in &self.pieces {
             let links = &self.links[piece.links.clone()];
             let sections = links.iter().filter_map(|link| {

@@ -1,8 +1,8 @@
 use super::*;
 use crate::Memory;
 use crate::lanes::F32x4;
-use crate::patches::soft_step::load_statistics::LoadStatistics;
 use crate::patches::soft_step::masonry::{DT, G, Masonry};
+use crate::patches::soft_step::sweeps::load_statistics::LoadStatistics;
 use glam::Vec3;
 
 impl Masonry {

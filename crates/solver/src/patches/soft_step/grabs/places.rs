@@ -1,12 +1,13 @@
-//! The places of edges among the blocks of an island. Edges are constraints that are not contacts, such as grabs. [Joints](super::joints)
-//! have no places: they are solved after all contacts of a sweep.
+//! The places of edges among the blocks of an island. Edges are constraints that are not contacts, such as grabs.
+//! [Joints](crate::patches::soft_step::joints) have no places: they are solved after all contacts of a sweep.
 //!
 //! Contacts are relaxed in blocks. An edge is relaxed by itself, right before the first block that holds a body which the edge reads or
 //! changes. So in every sweep an edge comes before all contacts of its bodies. The result equals that of a sweep over all edges and then
 //! all blocks, to the bit, because no earlier block holds one of its bodies.
 //!
-//! Sweeps that overlap, in [laps](super::skewed_sweeps) or in a [pipeline](super::pipeline), visit a block only where the sweep before has
-//! finished with its bodies. They treat an edge as a part of its block, with all of its bodies, so the same holds for edges.
+//! Sweeps that overlap, in [laps](crate::patches::soft_step::sweeps::skewed) or in a
+//! [pipeline](crate::patches::soft_step::sweeps::pipeline), visit a block only where the sweep before has finished with its bodies. They
+//! treat an edge as a part of its block, with all of its bodies, so the same holds for edges.
 //!
 //! Edges that share a body form a group. A group stands before the first block of any of its bodies, with its edges in their order.
 

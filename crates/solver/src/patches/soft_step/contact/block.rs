@@ -67,13 +67,13 @@ impl Pass {
 
 /// Coefficients of a soft row: a damped spring, solved implicitly (Catto, "Soft Constraints", GDC 2011; Box2D v3).
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Softness<L> {
+pub struct Softness<L> {
     /// Correction speed per distance, 1/s.
-    pub(super) bias_rate: L,
+    pub bias_rate: L,
     /// Share of the rigid impulse that a row gives.
-    pub(super) mass_scale: L,
+    pub mass_scale: L,
     /// Share of its impulse that a row gives back.
-    pub(super) impulse_scale: L,
+    pub impulse_scale: L,
 }
 
 /// The spring of a soft row whose body has two neighbours.
@@ -114,99 +114,99 @@ impl Spring {
 /// Patches side by side, one in each lane, with the data that their rows need in a visit.
 #[derive(Clone, Debug, Default)]
 pub struct Block<L: F32xN> {
-    pub(super) bodies: [L::Bodies; 2],
+    pub bodies: [L::Bodies; 2],
     /// Indices to which velocities are written. Bodies that nothing moves get `null_target`, or visits that share one would wait for each
     /// other. A body with rounds ([`Rounds`](crate::rounds::Rounds)) gets a seat of its own.
-    pub(super) targets: [L::Bodies; 2],
-    pub(super) normal: Vec3xN<L>,
-    pub(super) tangent: Vec3xN<L>,
-    pub(super) arms: [Vec3xN<L>; 2],
-    pub(super) inverse_inertia: [Symmetric<L>; 2],
-    pub(super) inverse_mass: [L; 2],
+    pub targets: [L::Bodies; 2],
+    pub normal: Vec3xN<L>,
+    pub tangent: Vec3xN<L>,
+    pub arms: [Vec3xN<L>; 2],
+    pub inverse_inertia: [Symmetric<L>; 2],
+    pub inverse_mass: [L; 2],
     /// The inverse masses of its bodies along each axis, if some axis of them is locked. Nearly all blocks have none.
-    pub(super) locks: Option<Box<Locks<L>>>,
+    pub locks: Option<Box<Locks<L>>>,
     /// Velocities that friction demands along both tangents, m/s, if a surface moves.
-    pub(super) surface: Option<Box<[L; 2]>>,
-    pub(super) friction: L,
+    pub surface: Option<Box<[L; 2]>>,
+    pub friction: L,
     /// W over (F_n, T_1, T_2), the coordinates of normals.
-    pub(super) normals: Symmetric<L>,
+    pub normals: Symmetric<L>,
     /// 1/W of the twist.
-    pub(super) twist_mass: L,
+    pub twist_mass: L,
     /// Response of (u_1, u_2) to a twist, and of (u_n, Ω_1, Ω_2) to it.
-    pub(super) twist_to_tangents: [L; 2],
-    pub(super) twist_to_normals: Vec3xN<L>,
+    pub twist_to_tangents: [L; 2],
+    pub twist_to_normals: Vec3xN<L>,
     /// Response of (u_n, Ω_1, Ω_2) to each tangent.
-    pub(super) tangents_to_normals: [Vec3xN<L>; 2],
+    pub tangents_to_normals: [Vec3xN<L>; 2],
     /// The inverse of the tangential block of W: xx, yy, xy. Then 1/λ_max of that block.
-    pub(super) tangent_mass: [L; 3],
-    pub(super) isotropic_mass: L,
+    pub tangent_mass: [L; 3],
+    pub isotropic_mass: L,
     /// Some patches may roll.
-    pub(super) rolls: bool,
+    pub rolls: bool,
     /// Factor of λ_n that bounds moments against rolling and spinning, m.
-    pub(super) rolling_lever: L,
+    pub rolling_lever: L,
     /// Rolling radius, m.
-    pub(super) rolling_radius: L,
+    pub rolling_radius: L,
     /// The inverse of W over (T_1, T_2): xx, yy, xy.
-    pub(super) rolling_mass: [L; 3],
+    pub rolling_mass: [L; 3],
     /// Moments against rolling, N·m·s.
-    pub(super) rolling: [L; 2],
+    pub rolling: [L; 2],
     /// 1 where friction is anchored.
-    pub(super) anchored: L,
+    pub anchored: L,
     /// Slip of the patch since its anchor was set, as detected, less the motion of the anchor since: m, rad.
-    pub(super) slip: [L; 2],
-    pub(super) slip_twist: L,
+    pub slip: [L; 2],
+    pub slip_twist: L,
     /// Motion of the anchor in this step, m, rad.
-    pub(super) dragged: [L; 2],
-    pub(super) dragged_twist: L,
+    pub dragged: [L; 2],
+    pub dragged_twist: L,
     /// Stretch of the springs of friction per impulse, m/(N·s) and rad/(N·m·s).
-    pub(super) compliance: L,
-    pub(super) compliance_twist: L,
+    pub compliance: L,
+    pub compliance_twist: L,
     /// Mean distance of its points from its centre, m.
-    pub(super) radius: L,
-    /// 1 where points have a finite size, 0 under [spinners](super::spinners).
-    pub(super) has_spots: L,
-    pub(super) tangential: [L; 2],
-    pub(super) twist: L,
+    pub radius: L,
+    /// 1 where points have a finite size, 0 under [spinners](crate::patches::soft_step::spinners).
+    pub has_spots: L,
+    pub tangential: [L; 2],
+    pub twist: L,
     /// Friction impulses of the substeps before this one, summed, N·s.
-    pub(super) given: [L; 2],
+    pub given: [L; 2],
     /// Impulses of anchored friction and twist at rest, N·s and N·m·s.
-    pub(super) held: [L; 2],
-    pub(super) held_twist: L,
+    pub held: [L; 2],
+    pub held_twist: L,
     /// 1/n for n points.
-    pub(super) share: L,
+    pub share: L,
     /// The inverse of the mean impulse at rest of its points, 1/(N·s); 0 if that mean is zero.
-    pub(super) inverse_load: L,
-    pub(super) stiffness: L,
+    pub inverse_load: L,
+    pub stiffness: L,
     /// Fastest correction, m/s.
-    pub(super) max_speed: L,
-    pub(super) softness: Softness<L>,
+    pub max_speed: L,
+    pub softness: Softness<L>,
     /// Stretch of its springs per velocity (impulse over effective mass), s.
-    pub(super) gives: L,
-    pub(super) first: u32,
-    pub(super) count: u32,
+    pub gives: L,
+    pub first: u32,
+    pub count: u32,
 }
 
 /// Points of a block: the i-th point of each of its patches.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Points<L> {
-    pub(super) x: L,
-    pub(super) y: L,
+    pub x: L,
+    pub y: L,
     /// Distance from the centre, m; at least the radius of a point of finite size.
-    pub(super) radius: L,
+    pub radius: L,
     /// Distance beyond the ideal one, as detected, m.
-    pub(super) separation: L,
+    pub separation: L,
     /// Separation in this substep where its spring no longer reaches, and 0 where the spring pushes, m.
-    pub(super) gap: L,
+    pub gap: L,
     /// Normal impulse λ_n, N·s.
-    pub(super) impulse: L,
+    pub impulse: L,
     /// Impulses of the substeps before this one, summed, N·s.
-    pub(super) given: L,
+    pub given: L,
     /// Impulse at rest, N·s.
-    pub(super) rest_impulse: L,
+    pub rest_impulse: L,
     /// Effective mass 1/W, kg.
-    pub(super) mass: L,
+    pub mass: L,
     /// Response of (u_n, Ω_1, Ω_2) to a unit impulse.
-    pub(super) effect: Vec3xN<L>,
+    pub effect: Vec3xN<L>,
 }
 
 impl<L: F32xN> Block<L> {
@@ -321,18 +321,13 @@ impl<L: F32xN> Block<L> {
     }
 
     #[inline(always)]
-    pub(super) fn frame(&self) -> Frame<L> {
+    pub fn frame(&self) -> Frame<L> {
         Frame::of(self.normal, self.tangent)
     }
 
     /// Relative motion at the centre in the patch's frame: (u_n, u_1, u_2) and (Ω_n, Ω_1, Ω_2).
     #[inline(always)]
-    pub(super) fn relative(
-        &self,
-        frame: &Frame<L>,
-        a: SpatialVec<L>,
-        b: SpatialVec<L>,
-    ) -> SpatialVec<L> {
+    pub fn relative(&self, frame: &Frame<L>, a: SpatialVec<L>, b: SpatialVec<L>) -> SpatialVec<L> {
         let at_a = a.angular.cross_add(self.arms[0], a.linear);
         let at_b = b.angular.cross_add(self.arms[1], b.linear);
         SpatialVec {
@@ -343,7 +338,7 @@ impl<L: F32xN> Block<L> {
 
     /// Changes velocities by a wrench in the patch's frame, and writes them back.
     #[inline(always)]
-    pub(super) fn push(
+    pub fn push(
         &self,
         frame: &Frame<L>,
         wrench: SpatialVec<L>,
@@ -438,7 +433,7 @@ impl<L: F32xN> Block<L> {
 
 /// The wrench of impulses along both tangents and about the normal, and of moments against rolling.
 #[inline(always)]
-pub(super) fn wrench<L: F32xN>(friction: [L; 3], rolling: [L; 2]) -> SpatialVec<L> {
+pub fn wrench<L: F32xN>(friction: [L; 3], rolling: [L; 2]) -> SpatialVec<L> {
     SpatialVec {
         linear: Vec3xN {
             x: L::ZERO,
@@ -455,7 +450,7 @@ pub(super) fn wrench<L: F32xN>(friction: [L; 3], rolling: [L; 2]) -> SpatialVec<
 
 /// The coordinates of a motion that normals depend on: (u_n, Ω_1, Ω_2).
 #[inline(always)]
-pub(super) fn on_normals_local<L: F32xN>(motion: &SpatialVec<L>) -> Vec3xN<L> {
+pub fn on_normals_local<L: F32xN>(motion: &SpatialVec<L>) -> Vec3xN<L> {
     Vec3xN {
         x: motion.linear.x,
         y: motion.angular.y,
@@ -476,7 +471,7 @@ fn on_normals<L: F32xN>(frame: &Frame<L>, motion: SpatialVec<L>) -> Vec3xN<L> {
 impl<L: F32xN> Points<L> {
     /// The row of this point over (u_n, Ω_1, Ω_2).
     #[inline(always)]
-    pub(super) fn direction(&self) -> Vec3xN<L> {
+    pub fn direction(&self) -> Vec3xN<L> {
         Vec3xN {
             x: L::ONE,
             y: self.y,
@@ -486,7 +481,7 @@ impl<L: F32xN> Points<L> {
 
     /// Velocity at this point along the normal, for a motion (u_n, Ω_1, Ω_2).
     #[inline(always)]
-    pub(super) fn approach(&self, normals: &Vec3xN<L>) -> L {
+    pub fn approach(&self, normals: &Vec3xN<L>) -> L {
         let tilted = self.y.mul_add(normals.y, normals.x);
         self.x.neg_mul_add(normals.z, tilted)
     }
@@ -494,7 +489,7 @@ impl<L: F32xN> Points<L> {
     /// Adds its impulse to a wrench at the centre. The product is rounded before the sum, on purpose: equal impulses on both sides of the
     /// centre then leave no moment. A fused operation leaves one, by which a box that bounces straight would begin to turn.
     #[inline(always)]
-    pub(super) fn push(&self, impulse: L, wrench: &mut SpatialVec<L>) {
+    pub fn push(&self, impulse: L, wrench: &mut SpatialVec<L>) {
         wrench.linear.x += impulse;
         wrench.angular.y += self.y * impulse;
         wrench.angular.z -= self.x * impulse;

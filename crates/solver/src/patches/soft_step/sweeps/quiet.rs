@@ -17,10 +17,10 @@
 //! Whether an island is quiet follows from its problem alone. The rate of sweeps, and with it the stiffness of springs, does not depend on
 //! it.
 
-use super::block::Pass;
-use super::island::Island;
 use crate::Both;
 use crate::lanes::{F32xN, State};
+use crate::patches::soft_step::contact::block::Pass;
+use crate::patches::soft_step::island::Island;
 use crate::{Body, PatchProblem};
 use std::ops::Range;
 

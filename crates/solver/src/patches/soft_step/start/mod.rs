@@ -13,9 +13,10 @@ mod grow;
 mod hand_down;
 mod jointed;
 mod statics;
+pub mod upright;
 
-use super::load_statistics::BodyLoad;
 use crate::lanes::F32xN;
+use crate::patches::soft_step::sweeps::load_statistics::BodyLoad;
 use crate::{Body, PatchProblem};
 use glam::Vec3;
 use grow::Grown;

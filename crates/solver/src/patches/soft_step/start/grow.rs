@@ -6,12 +6,12 @@
 //! are the solver's own springs without loads at rest, friction slides as Coulomb's does, and bodies move under a growing weight until they
 //! rest, or clearly slide or fall. Only the forces are kept, not the motion.
 
-use super::super::SoftStep;
-use super::super::block::{Pass, Spring};
-use super::super::island::{Island, batches};
 use crate::Both;
 use crate::body::speed_of;
 use crate::lanes::{F32xN, State};
+use crate::patches::soft_step::SoftStep;
+use crate::patches::soft_step::contact::block::{Pass, Spring};
+use crate::patches::soft_step::island::{Island, batches};
 use crate::{Body, PatchProblem};
 use glam::Vec4;
 use std::f32::consts::TAU;

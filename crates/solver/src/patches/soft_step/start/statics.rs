@@ -6,12 +6,12 @@
 //! that were handed down, or from those of a growing weight, and hardly changes these: of all the forces that statics allows, only those
 //! that follow from how bodies yield are real. Structures that stand without friction get none.
 
-use super::super::block::{Pass, Spring};
-use super::super::island::{Island, batches};
-use super::super::kinds::Rigid;
 use super::STILL;
 use crate::PatchProblem;
 use crate::lanes::{F32xN, Kernel, State, cells};
+use crate::patches::soft_step::contact::block::{Pass, Spring};
+use crate::patches::soft_step::contact::kinds::Rigid;
+use crate::patches::soft_step::island::{Island, batches};
 
 /// Impulses, or changes of them, N·s and N·m·s.
 struct Impulses<L> {
@@ -168,7 +168,7 @@ impl<L: F32xN> Kernel for SweepBack<'_, L> {
 
 impl Pass {
     /// A rigid pass over a whole step.
-    pub(super) fn whole(dt: f32) -> Self {
+    pub fn whole(dt: f32) -> Self {
         Self {
             soft: false,
             down: false,
@@ -183,7 +183,7 @@ impl Pass {
 
 impl<L: F32xN> Island<L> {
     /// An island at rest whose points touch unless they are open; and the merit of the free motion, J.
-    pub(super) fn at_rest(problem: &PatchProblem, closed: f32, pass: &Pass) -> (Self, f32) {
+    pub fn at_rest(problem: &PatchProblem, closed: f32, pass: &Pass) -> (Self, f32) {
         let mut island = Self::new(problem, batches(L::LANES, problem));
         island.begin(problem, 1);
         island.velocities.fill(State::default());
@@ -206,7 +206,7 @@ impl<L: F32xN> Island<L> {
         }
     }
 
-    pub(super) fn keep(&self, problem: &mut PatchProblem, whole: f32) {
+    pub fn keep(&self, problem: &mut PatchProblem, whole: f32) {
         for (block, patches) in self.blocks.iter().zip(self.batches.iter()) {
             let found = &self.points[block.range()];
             for (lane, patch) in patches {

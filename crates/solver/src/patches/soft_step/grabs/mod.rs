@@ -1,6 +1,7 @@
 //! The grabs on the bodies of an island, and their places among its blocks.
 
-use super::edges::{EdgePlaces, Group, Visits};
+pub mod places;
+
 use crate::batches::Batches;
 use crate::by_body::ByBody;
 use crate::grab::ActiveGrab;
@@ -8,6 +9,7 @@ use crate::lanes::State;
 use crate::sort;
 use crate::walls::{self, Walls};
 use crate::{GrabConstraint, PatchProblem};
+use places::{EdgePlaces, Group, Visits};
 use std::cell::Cell;
 
 /// The places of grabs. They are found when bodies are grabbed, and kept while the same bodies are held and the blocks live.

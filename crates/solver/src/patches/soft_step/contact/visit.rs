@@ -38,9 +38,9 @@ struct Visit<L> {
 
 /// The impulses of a patch's normals.
 #[derive(Clone, Copy)]
-pub(super) struct Carried<L> {
+pub struct Carried<L> {
     /// Σλ_n, N·s.
-    pub(super) all: L,
+    pub all: L,
     /// Σλ_n times the distances from the centre, N·m·s.
     lever: L,
 }
@@ -170,7 +170,7 @@ impl<L: F32xN> Block<L> {
 
     /// The largest moment about the normal that friction can give, N·m·s.
     #[inline(always)]
-    pub(super) fn most_twist(&self, carried: &Carried<L>) -> L {
+    pub fn most_twist(&self, carried: &Carried<L>) -> L {
         self.friction
             .mul_add(carried.lever, self.rolling_lever * carried.all)
     }
@@ -739,7 +739,7 @@ impl<L: F32xN> Points<L> {
 
 impl<L: F32xN> Carried<L> {
     #[inline(always)]
-    pub(super) fn by(points: &[Points<L>]) -> Self {
+    pub fn by(points: &[Points<L>]) -> Self {
         let (mut all, mut lever) = (L::ZERO, L::ZERO);
         for point in points {
             all += point.impulse;

@@ -5,15 +5,15 @@
 //! behind the lap before it. In a *turn* every block is visited once, and each lap does its part of its own sweep. Contacts that share a
 //! body come in the same order as in sweeps one after the other: those of one lap because the turn keeps their order, those of two laps
 //! because a lap is at least as long as the distance between the first and the last contact of a body. The work on a body between two
-//! sweeps is done right after the last block that holds it. Grabs stand before a block, in one of its laps ([`edges`](super::edges)). So
-//! the result is that of sweeps one after the other, to the bit.
+//! sweeps is done right after the last block that holds it. Grabs stand before a block, in one of its laps
+//! ([`edges`](crate::patches::soft_step::grabs::places)). So the result is that of sweeps one after the other, to the bit.
 
-use super::block::Pass;
-use super::island::Island;
-use super::kinds::{Kinds, Mixed, Rigid, Soft};
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, Kernel, State, cells};
+use crate::patches::soft_step::contact::block::Pass;
+use crate::patches::soft_step::contact::kinds::{Kinds, Mixed, Rigid, Soft};
+use crate::patches::soft_step::island::Island;
 use crate::sort;
 use std::cell::Cell;
 

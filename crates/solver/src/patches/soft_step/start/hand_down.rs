@@ -1,8 +1,8 @@
 //! Hands loads down. From the top, each body passes its own weight and the load on it to its supports, as if those could not yield. One
 //! pass is exact for a tower, also on a slope, and a good start for a wall or a pyramid.
 
-use super::super::upright::{up, upper};
 use crate::Both;
+use crate::patches::soft_step::start::upright::{up, upper};
 use crate::{Body, PatchPoint, PatchProblem};
 use bevy_math::ops;
 use glam::Vec3;

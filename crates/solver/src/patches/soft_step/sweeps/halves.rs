@@ -1,8 +1,8 @@
 //! Work on blocks that does not depend on their order, on several threads; for the phases before and after the sweeps.
 
-use super::block::{Block, Points};
 use crate::join::join;
 use crate::lanes::F32xN;
+use crate::patches::soft_step::contact::block::{Block, Points};
 
 /// A part of at most this many blocks is not halved.
 const GRAIN: usize = 64;

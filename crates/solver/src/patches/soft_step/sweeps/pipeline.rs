@@ -5,7 +5,7 @@
 //! would find after the whole of sweep k, and changes nothing that sweep k has yet to read. The work on a body between two sweeps is done
 //! right after the last block that holds it. So the result is that of sweeps one after the other, to the bit, on any number of threads.
 //! Blocks stand in waves ([`batches`](crate::batches)), so that the next sweep follows one wave behind. Grabs are visited with the
-//! block before which they stand ([`edges`](super::edges)), and that block counts their bodies as its own.
+//! block before which they stand ([`edges`](crate::patches::soft_step::grabs::places)), and that block counts their bodies as its own.
 //!
 //! On one thread, the first sweeps of a step follow the refresh and the warm start of blocks in the same way ([`Following`]), so that
 //! blocks are read from memory once for all of these.
@@ -22,14 +22,14 @@
     reason = "items go from thread to thread as sweeps pass them"
 )]
 
-use super::block::{Block, Pass, Points};
-use super::edges::EdgePlaces;
-use super::kinds::{Rigid, Soft};
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::grab::ActiveGrab;
 use crate::join::on_threads;
 use crate::lanes::{F32xN, Kernel, State};
+use crate::patches::soft_step::contact::block::{Block, Pass, Points};
+use crate::patches::soft_step::contact::kinds::{Rigid, Soft};
+use crate::patches::soft_step::grabs::places::EdgePlaces;
 use crate::rounds::RoundEnds;
 use crate::sort;
 use smallvec::SmallVec;

@@ -1,17 +1,17 @@
 //! Loads of structures with joints that stand on loose bodies.
 //!
-//! How much each foot of a table bears is known to its joints alone, so their [direct solve](super::super::joints) finds it. Then the
-//! bodies under the feet hand it down. These may lie on another structure with joints, which passes it on to its own feet in the next
-//! round.
+//! How much each foot of a table bears is known to its joints alone, so their [direct solve](crate::patches::soft_step::joints) finds it.
+//! Then the bodies under the feet hand it down. These may lie on another structure with joints, which passes it on to its own feet in the
+//! next round.
 
-use super::super::SoftStep;
-use super::super::block::{Pass, Spring};
-use super::super::island::Island;
-use super::super::joints::Contacts;
 use super::PUT;
 use super::hand_down::{self, Limits};
 use crate::Both;
 use crate::lanes::{F32xN, cells};
+use crate::patches::soft_step::SoftStep;
+use crate::patches::soft_step::contact::block::{Pass, Spring};
+use crate::patches::soft_step::island::Island;
+use crate::patches::soft_step::joints::Contacts;
 use crate::{Body, Lanes, PatchProblem};
 use glam::Vec3;
 use std::f32::consts::TAU;

@@ -5,9 +5,9 @@
 //! √(load / (mass · size)). So sweeps come at a rate, and a long step has more of them. The rate follows the shape of the structure and its
 //! loads at rest. A rate that followed the current impulses would amplify their shaking.
 
-use super::SoftStep;
 use super::load_statistics::{BodyLoad, LoadStatistics};
 use crate::PatchProblem;
+use crate::patches::soft_step::SoftStep;
 
 /// Number of substeps per rigid sweep: the usual one, and the one for at least [`TALL`] courses. Soft sweeps let disturbances grow from
 /// course to course: a pyramid of 100 trembles by 50 mm/s with three, and one of 50 by 2; of 20 it is steadier with three.

@@ -1,9 +1,9 @@
 //! The joints of an island in its sweeps.
 
-use super::block::Pass;
-use super::island::Island;
-use super::joints::Contacts;
 use crate::lanes::{F32xN, cells};
+use crate::patches::soft_step::contact::block::Pass;
+use crate::patches::soft_step::island::Island;
+use crate::patches::soft_step::joints::Contacts;
 
 impl<L: F32xN> Island<L> {
     /// Solves the joints in a sweep, after its contacts. Returns Σ Δλ times what each row lacked, J.

@@ -17,6 +17,7 @@ mod batches;
 mod body;
 mod both;
 mod by_body;
+mod contact_row;
 mod grab;
 #[doc(hidden)]
 pub mod groups;

@@ -22,11 +22,11 @@ pub struct PlainJoint {
     pub joint: JointConstraint,
     h: f32,
     inverse: [(Vec3, Mat3); 2],
-    rows: Vec<Row>,
+    rows: Vec<PlainRow>,
 }
 
 #[derive(Clone, Debug)]
-struct Row {
+struct PlainRow {
     coordinate: usize,
     /// Velocity along and about these is the rate of the coordinate: of both bodies' centres, and of the rotation of A and B.
     linear: Vec3,
@@ -69,7 +69,7 @@ impl PlainJoint {
                     + angular[side].dot(body.inverse_inertia * angular[side])
             };
             let is_last = kinds.get(i + 1).is_none_or(|next| next.0 != coordinate);
-            Row {
+            PlainRow {
                 coordinate,
                 linear,
                 angular,
@@ -154,7 +154,7 @@ impl PlainJoint {
     }
 }
 
-impl Row {
+impl PlainRow {
     fn push(&self, impulse: f32, inverse: &[(Vec3, Mat3); 2], to: &mut [[Vec3; 2]; 2]) {
         for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
             let (mass, inertia) = &inverse[side];

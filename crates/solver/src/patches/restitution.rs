@@ -6,6 +6,7 @@
 //! gain energy is weakened.
 
 use crate::Both;
+use crate::contact_row::ContactRow;
 use crate::groups::Groups;
 use crate::sort;
 use crate::{Body, PatchPoint, PatchProblem};
@@ -75,40 +76,33 @@ pub fn find(problem: &PatchProblem) -> Bounces {
 }
 
 /// A point that takes part in a bounce: it bounces itself, or it carried an impulse.
-struct Row {
+struct Taking {
+    row: ContactRow,
     point: usize,
     patch: usize,
-    /// Its group; rows of other groups have no part in its bounce.
+    /// Its group; points of other groups have no part in its bounce.
     group: u32,
     bodies: [usize; 2],
-    normal: Vec3,
-    arms: [Vec3; 2],
-    /// Inverse effective mass W, 1/kg.
-    response: f32,
     /// Normal velocity to leave with, m/s; 0 for a point that does not bounce.
     leave: f32,
     /// Lower bound of its impulse, N·s. A point that does not bounce may lose the impulse that it carries.
     least: f32,
-    /// Its impulse so far, N·s.
-    impulse: f32,
 }
 
-impl Row {
+impl Taking {
     fn speed(&self, bodies: &[Body]) -> f32 {
         let velocities = self
             .bodies
             .both(|body| [bodies[body].linear, bodies[body].angular]);
-        approach(velocities, &self.arms, self.normal)
+        self.row.rate(velocities)
     }
 
     /// Adds to its impulse. Returns the amount that was added, N·s.
     fn give(&mut self, change: f32, bodies: &mut [Body]) -> f32 {
-        let found = (self.impulse + change).max(self.least);
-        let given = found - self.impulse;
-        self.impulse = found;
-        let push = given * self.normal;
-        bodies[self.bodies[0]].apply(push, self.arms[0]);
-        bodies[self.bodies[1]].apply(-push, self.arms[1]);
+        let given = self.row.add(change, self.least);
+        let push = given * self.row.direction;
+        bodies[self.bodies[0]].apply(push, self.row.arms[0]);
+        bodies[self.bodies[1]].apply(-push, self.row.arms[1]);
         given
     }
 }
@@ -137,17 +131,17 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
     let mut rows = rows(problem, &bouncing, substeps);
     group(&mut rows, problem.bodies);
     for group in rows.chunk_by_mut(|a, b| a.group == b.group) {
-        if group.iter().any(|row| row.leave > 0.0) {
+        if group.iter().any(|taking| taking.leave > 0.0) {
             throw(group, problem.points, problem.bodies, &bounces.pushes);
         }
     }
-    for row in rows {
-        let point = &mut problem.points[row.point];
-        point.normal += row.impulse;
-        if row.leave > 0.0 {
+    for taking in rows {
+        let point = &mut problem.points[taking.point];
+        point.normal += taking.row.impulse;
+        if taking.leave > 0.0 {
             // The point has left the surface and carries nothing.
             point.normal_impulse = 0.0;
-            let patch = &mut problem.patches[row.patch];
+            let patch = &mut problem.patches[taking.patch];
             (patch.friction_impulse, patch.twist_impulse) = (Vec3::ZERO, 0.0);
             patch.rolling_impulse = Vec3::ZERO;
         }
@@ -155,41 +149,41 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
 }
 
 /// Sorts rows into groups. The rows of a group share movable bodies, directly or through others.
-fn group(rows: &mut [Row], bodies: &[Body]) {
+fn group(rows: &mut [Taking], bodies: &[Body]) {
     let mut groups = Groups::default();
     groups.begin(bodies.len());
     let moves = |body: usize| bodies[body].inverse_mass > 0.0;
-    for row in rows.iter() {
-        if row.bodies.into_iter().all(moves) {
-            groups.link(row.bodies.both(|body| body as u32));
+    for taking in rows.iter() {
+        if taking.bodies.into_iter().all(moves) {
+            groups.link(taking.bodies.both(|body| body as u32));
         }
     }
-    for row in rows.iter_mut() {
-        let moved = row.bodies.into_iter().find(|&body| moves(body));
-        row.group = groups.first_of(moved.unwrap_or(0) as u32);
+    for taking in rows.iter_mut() {
+        let moved = taking.bodies.into_iter().find(|&body| moves(body));
+        taking.group = groups.first_of(moved.unwrap_or(0) as u32);
     }
-    sort::by_key(rows, |row| row.group);
+    sort::by_key(rows, |taking| taking.group);
 }
 
 /// Bounces one group.
-fn throw(group: &mut [Row], points: &[PatchPoint], bodies: &mut [Body], pushes: &[[Vec3; 2]]) {
-    let mut ends: Vec<usize> = group.iter().flat_map(|row| row.bodies).collect();
+fn throw(group: &mut [Taking], points: &[PatchPoint], bodies: &mut [Body], pushes: &[[Vec3; 2]]) {
+    let mut ends: Vec<usize> = group.iter().flat_map(|taking| taking.bodies).collect();
     sort::values(&mut ends);
     ends.dedup();
     let before: Vec<_> = ends
         .iter()
         .map(|&end| [bodies[end].linear, bodies[end].angular])
         .collect();
-    let fastest = group.iter().map(|row| row.leave).fold(0.0, f32::max);
+    let fastest = group.iter().map(|taking| taking.leave).fold(0.0, f32::max);
     for patch in group.chunk_by_mut(|a, b| a.patch == b.patch) {
         throw_together(patch, points, bodies);
     }
     for _ in 0..VISITS {
         let mut change = 0.0f32;
-        for row in group.iter_mut() {
-            let missing = row.leave - row.speed(bodies);
-            let given = row.give(missing / row.response, bodies);
-            change = change.max(given.abs() * row.response);
+        for taking in group.iter_mut() {
+            let missing = taking.leave - taking.speed(bodies);
+            let given = taking.give(missing / taking.row.response, bodies);
+            change = change.max(given.abs() * taking.row.response);
         }
         if change < SETTLED * fastest {
             break;
@@ -202,13 +196,13 @@ fn throw(group: &mut [Row], points: &[PatchPoint], bodies: &mut [Body], pushes: 
             body.linear = before[0] + share * (body.linear - before[0]);
             body.angular = before[1] + share * (body.angular - before[1]);
         }
-        for row in group {
-            row.impulse *= share;
+        for taking in group {
+            taking.row.impulse *= share;
         }
     }
 }
 
-fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<Row> {
+fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<Taking> {
     let mut rows = Vec::new();
     let mut next = bouncing.iter().peekable();
     for (number, patch) in problem.patches.iter().enumerate() {
@@ -226,20 +220,22 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<R
                 // Locked axes keep both bodies from moving along the normal.
                 continue;
             }
-            rows.push(Row {
+            rows.push(Taking {
+                row: ContactRow {
+                    direction: patch.normal,
+                    arms,
+                    response,
+                    impulse: 0.0,
+                },
                 point: index,
                 patch: number,
                 group: 0,
                 bodies,
-                normal: patch.normal,
-                arms,
-                response,
                 leave: bounces.map_or(0.0, |bouncing| bouncing.leave),
                 least: match bounces {
                     Some(_) => 0.0,
                     None => -point.normal_impulse / substeps as f32,
                 },
-                impulse: 0.0,
             });
         }
     }
@@ -248,25 +244,25 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<R
 
 /// Bounces a patch as a whole: its points get impulses in the proportion in which they were stopped, with the speed that fits them best. So
 /// a body that landed on a face leaves it as it came.
-fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body]) {
+fn throw_together(patch: &mut [Taking], points: &[PatchPoint], bodies: &mut [Body]) {
     let (mut push, mut turns, mut missing) = (0.0, [Vec3::ZERO; 2], 0.0);
-    for row in patch.iter().filter(|row| row.leave > 0.0) {
-        let given = points[row.point].normal;
+    for taking in patch.iter().filter(|taking| taking.leave > 0.0) {
+        let given = points[taking.point].normal;
         push += given;
-        for (turn, arm) in turns.iter_mut().zip(row.arms) {
-            *turn += arm.cross(given * row.normal);
+        for (turn, arm) in turns.iter_mut().zip(taking.row.arms) {
+            *turn += arm.cross(given * taking.row.direction);
         }
-        missing += given * (row.leave - row.speed(bodies));
+        missing += given * (taking.leave - taking.speed(bodies));
     }
     let first = &patch[0];
     let [a, b] = first.bodies.both(|body| &bodies[body]);
-    let masses = [a, b].both(|body| body.inverse_mass_along(first.normal));
+    let masses = [a, b].both(|body| body.inverse_mass_along(first.row.direction));
     let takes = push * push * (masses[0] + masses[1])
         + turns[0].dot(a.inverse_inertia * turns[0])
         + turns[1].dot(b.inverse_inertia * turns[1]);
     if missing > 0.0 && takes > 0.0 {
-        for row in patch.iter_mut().filter(|row| row.leave > 0.0) {
-            row.give(missing / takes * points[row.point].normal, bodies);
+        for taking in patch.iter_mut().filter(|taking| taking.leave > 0.0) {
+            taking.give(missing / takes * points[taking.point].normal, bodies);
         }
     }
 }
@@ -274,7 +270,7 @@ fn throw_together(patch: &mut [Row], points: &[PatchPoint], bodies: &mut [Body])
 /// The share of a bounce for which the energy, kinetic and potential, is at most that before the step. `before` holds the velocities of the
 /// bodies in `ends` before the bounce.
 fn affordable(
-    group: &[Row],
+    group: &[Taking],
     bodies: &[Body],
     ends: &[usize],
     before: &[[Vec3; 2]],
@@ -288,14 +284,14 @@ fn affordable(
     }
     // E(s) = E(0) + s d + s² q.
     let (mut d, mut q) = (0.0f64, 0.0f64);
-    for row in group {
-        let was = row.bodies.both(|body| {
+    for taking in group {
+        let was = taking.bodies.both(|body| {
             let end = ends.binary_search(&body).expect("all ends were collected");
             before[end]
         });
-        let was = approach(was, &row.arms, row.normal);
-        d += (row.impulse * was) as f64;
-        q += (0.5 * row.impulse * (row.speed(bodies) - was)) as f64;
+        let was = taking.row.rate(was);
+        d += (taking.row.impulse * was) as f64;
+        q += (0.5 * taking.row.impulse * (taking.speed(bodies) - was)) as f64;
     }
     let spare: f64 = ends
         .iter()

@@ -1,27 +1,40 @@
 //! The state that Soft Step keeps of an island from step to step.
 
 use super::blows::Blows;
-use super::contact::block::Pass;
-use super::island::{Island, batches, rounds, skewed, stands_by_itself};
+use super::contact::pass::Pass;
+use super::island::Island;
+use super::sweeps::Mode;
 use super::sweeps::budget::Course;
+use super::sweeps::layout::{batches, fixed_bodies_rest, rounds, skewed};
 use super::sweeps::load_statistics::BodyLoad;
 use super::sweeps::skewed::SkewedSweeps;
 use crate::batches::Batches;
 use crate::lanes::F32xN;
 use crate::{Lanes, PatchProblem};
+use smallvec::SmallVec;
 
 /// An island in blocks, with the data that is found once for them.
 pub struct Kept<L: F32xN> {
     pub island: Island<L>,
-    /// The blocks are not skewed and have no rounds, though another step might use both.
-    straight: bool,
-    /// The bodies whose grabs are the reason for that.
-    straight_for: Vec<u32>,
+    layout: Layout,
     /// Present if blocks are skewed.
     skewed: Option<SkewedSweeps>,
     pub blows: Blows<L>,
     pub scratch: Scratch,
 }
+
+/// Why the blocks of an island are as they are.
+enum Layout {
+    /// They are skewed or have rounds, where that pays.
+    Best,
+    /// They are plain, for a step whose mode asked for that.
+    PlainForMode,
+    /// They are plain, because laps are too short for the grabs on these bodies.
+    PlainForGrabs(Vec<u32>),
+}
+
+/// Σ Wᵢᵢ Δλᵢ² of sweeps that are done, J.
+pub type Changes = SmallVec<[f32; 8]>;
 
 /// Lists of one call, whose memory is reused.
 #[derive(Default)]
@@ -32,78 +45,89 @@ pub struct Scratch {
 }
 
 impl<L: F32xN> Kept<L> {
-    /// The state of the last step if it is still valid; else a new one. `straight` asks for blocks that are not skewed and have no rounds,
-    /// for steps in which a visit or a sweep must end before the next begins.
+    /// The state of the last step if it is still valid; else a new one. Blocks are skewed or have rounds only where sweeps may overlap.
     pub fn of(
         kept: Option<Box<Self>>,
         problem: &PatchProblem,
         lanes: Lanes,
         found: Option<Batches>,
-        straight: bool,
+        mode: Mode,
     ) -> Box<Self> {
-        let alone = stands_by_itself(problem);
-        let held = || problem.grabs.iter().map(|grab| grab.body);
-        let may_be = |kept: &Self| {
-            let batches = &kept.island.batches;
-            match straight {
-                true => batches.laps() == 1 && !batches.has_rounds(),
-                // A body with a new mass has new patches.
-                false => {
-                    let for_grabs = || kept.straight_for.iter().copied();
-                    (!kept.straight || !kept.straight_for.is_empty() && for_grabs().eq(held()))
-                        && (kept.island.loaded == problem.memory.patches()
-                            || *batches.rounds() == rounds(problem))
-                }
-            }
-        };
-        let mut kept = kept
-            .filter(|kept| {
-                kept.island.fastest == problem.max_correction_speed
-                    && kept.island.alone == alone
-                    && may_be(kept)
-            })
-            .unwrap_or_else(|| {
-                let batches = match straight {
-                    true => batches(L::LANES, problem),
-                    false => found.unwrap_or_else(|| skewed(L::LANES, problem)),
-                };
-                let mut kept = Self::new(Island::new(problem, batches));
-                kept.straight = straight && (alone || !rounds(problem).is_empty());
-                Box::new(kept)
-            });
+        let rest = fixed_bodies_rest(problem);
+        let valid = kept.filter(|kept| {
+            kept.island.fastest == problem.max_correction_speed
+                && kept.island.fixed_bodies_rest == rest
+                && kept.suits(problem, mode)
+        });
+        let mut kept = valid.unwrap_or_else(|| Box::new(Self::laid_out(problem, found, mode)));
         kept.island.place_grabs(problem);
         if kept.island.batches.laps() > 1 && !kept.island.grab_places.fit_laps() {
-            let batches = batches(L::LANES, problem);
-            *kept = Self::new(Island::new(problem, batches));
-            kept.straight = true;
-            kept.straight_for = held().collect();
+            *kept = Self::new(Island::new(problem, batches(L::LANES, problem)));
+            kept.layout = Layout::PlainForGrabs(held(problem).collect());
             kept.island.place_grabs(problem);
         }
         kept.island.lanes = lanes;
         kept
     }
 
+    /// Whether its blocks are those that a problem would get.
+    fn suits(&self, problem: &PatchProblem, mode: Mode) -> bool {
+        let batches = &self.island.batches;
+        if mode != Mode::Overlapping {
+            return batches.laps() == 1 && !batches.has_rounds();
+        }
+        let is_best = match &self.layout {
+            Layout::Best => true,
+            Layout::PlainForMode => false,
+            Layout::PlainForGrabs(bodies) => bodies.iter().copied().eq(held(problem)),
+        };
+        // A body with a new mass has new patches.
+        is_best
+            && (self.island.loaded == problem.memory.patches()
+                || *batches.rounds() == rounds(problem))
+    }
+
+    /// New blocks for a problem; those that were `found`, if it needs no plain ones.
+    fn laid_out(problem: &PatchProblem, found: Option<Batches>, mode: Mode) -> Self {
+        if mode == Mode::Overlapping {
+            let batches = found.unwrap_or_else(|| skewed(L::LANES, problem));
+            return Self::new(Island::new(problem, batches));
+        }
+        let mut kept = Self::new(Island::new(problem, batches(L::LANES, problem)));
+        if kept.island.fixed_bodies_rest || !rounds(problem).is_empty() {
+            kept.layout = Layout::PlainForMode;
+        }
+        kept
+    }
+
     pub fn new(island: Island<L>) -> Self {
         Self {
             island,
-            straight: false,
-            straight_for: Vec::new(),
+            layout: Layout::Best,
             skewed: None,
             blows: Blows::default(),
             scratch: Scratch::default(),
         }
     }
 
-    /// Runs the `first` sweeps, and the `others` if the island is not [quiet](super::sweeps::quiet) after these. The others are divided
-    /// among `threads`.
-    pub fn sweep_if_needed(
+    /// Runs the sweeps of a step after those that are `done`: the first round, and the others if the island is not
+    /// [quiet](super::sweeps::quiet) after it. The others are divided among `threads`.
+    pub fn sweep(
         &mut self,
         problem: &mut PatchProblem,
-        [first, others]: [&[Pass]; 2],
-        threads: usize,
+        (first, others): (&[Pass], &[Pass]),
+        (done, threads): (Changes, usize),
+        mode: Mode,
         tell: &mut dyn FnMut(f32),
     ) {
-        self.sweep(problem, first, tell);
+        if mode == Mode::Blows {
+            self.island
+                .sweep_through_blows(&mut self.blows, problem, first, tell);
+            return;
+        }
+        let first = &first[done.len()..];
+        done.into_iter().for_each(&mut *tell);
+        self.sweep_all(problem, first, tell);
         if others.is_empty() {
             return;
         }
@@ -114,14 +138,14 @@ impl<L: F32xN> Kept<L> {
             true => self.island.skip(others),
             false => {
                 problem.threads = threads;
-                self.sweep(problem, others, tell);
+                self.sweep_all(problem, others, tell);
             }
         }
     }
 
     /// Runs sweeps. Each goes over the blocks from the first to the last, in the order in which bodies were spawned, from the ground up;
     /// back and forth shook stacks and pyramids. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
-    pub fn sweep(&mut self, problem: &PatchProblem, passes: &[Pass], tell: &mut dyn FnMut(f32)) {
+    fn sweep_all(&mut self, problem: &PatchProblem, passes: &[Pass], tell: &mut dyn FnMut(f32)) {
         match self.island.batches.laps() {
             1 => self.island.sweep(problem, passes, tell),
             _ => {
@@ -133,6 +157,11 @@ impl<L: F32xN> Kept<L> {
             }
         }
     }
+}
+
+/// The bodies that grabs hold.
+fn held(problem: &PatchProblem) -> impl Iterator<Item = u32> {
+    problem.grabs.iter().map(|grab| grab.body)
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! Stacks, walls and arches as problems, for tests.
 
-use super::contact::block::{Pass, Spring};
+use super::SoftStep;
+use super::contact::pass::Pass;
+use super::contact::spring::Spring;
 use super::island::Island;
-use super::{SoftStep, SweepBudget};
+use super::sweeps::budget::SweepBudget;
 use crate::batches::Batches;
 use crate::lanes::F32xN;
 use crate::{Body, GrabConstraint, Memory, PatchConstraint, PatchPoint, PatchProblem};
@@ -229,7 +231,8 @@ pub fn placed<L: F32xN>(
         followed: 0.0,
         rate: 700.0,
     };
-    let passes = SoftStep::default().plan(budget, DT);
+    let mut passes = Vec::new();
+    SoftStep::default().plan(budget, DT, &mut passes);
     let spring = Spring {
         omega: 300.0,
         damping_ratio: 5.0,

@@ -50,36 +50,22 @@ mod refresh;
 mod settling;
 mod spinners;
 mod start;
+mod step;
 mod sweeps;
 mod together;
 
-use super::restitution::{self, Bounces};
 use super::{PatchProblem, PatchSolver};
-use crate::batches::Batches;
-use crate::lanes::{F32x4, F32xN};
+use crate::lanes::F32x4;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::{F32x8, F32x8AsFour};
 use crate::width::Width;
 use crate::{Lanes, SolveReport};
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
-use contact::block::{Pass, Spring};
-use gaps::Gaps;
-#[cfg(target_arch = "x86_64")]
-use island::{skewed, stands_by_itself};
-use kept::{Kept, Scratch};
-use std::f32::consts::TAU;
-use sweeps::budget::SweepBudget;
 use sweeps::load_statistics::LoadStatistics;
-use sweeps::quiet::{first_round, may_be_quiet};
-
-/// Factor by which loads at rest follow more slowly in very tall structures ([`SweepBudget::downwards`]). Such structures sway slowly, and
-/// loads that follow the sway amplify it: a tower of 200 layers of planks falls after 20 s if they follow as usual, sooner with more or
-/// stiffer springs, and drifts by 3 mm in a minute if they follow a tenth as fast.
-const TALL_SLOWDOWN: f32 = 40.0;
 
 /// Upper bound of the settings for sweeps per step.
-const SWEEPS: usize = 1_000_000;
+const MAX_SWEEPS: usize = 1_000_000;
 
 /// The default contact solver: many short substeps with one sweep each, over contacts that are damped springs. It works on patches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,9 +118,9 @@ impl PatchSolver for SoftStep {
 
     fn problem(&self) -> Option<String> {
         let (least, most) = (self.min_sweeps, self.max_sweeps);
-        if least > SWEEPS || !(1..=SWEEPS).contains(&most) {
+        if least > MAX_SWEEPS || !(1..=MAX_SWEEPS).contains(&most) {
             return Some(format!(
-                "min_sweeps and max_sweeps of Soft Step are {least} and {most}, and may be {SWEEPS}, the second at least 1"
+                "min_sweeps and max_sweeps of Soft Step are {least} and {most}, and may be {MAX_SWEEPS}, the second at least 1"
             ));
         }
         let bounds = [
@@ -179,171 +165,6 @@ impl PatchSolver for SoftStep {
     }
 }
 
-impl SoftStep {
-    /// The width for a problem: that of the last step if the patches are the same. If it becomes eight, `found` gets the blocks that were
-    /// computed for the decision.
-    #[cfg(target_arch = "x86_64")]
-    fn width(&self, problem: &PatchProblem, found: &mut Option<Batches>) -> Width {
-        self.lanes.width(|| {
-            was_auto::<F32x8>(problem) || !was_auto::<F32x4>(problem) && fills_eight(problem, found)
-        })
-    }
-
-    /// The width for a problem.
-    #[cfg(not(target_arch = "x86_64"))]
-    fn width(&self, _: &PatchProblem, _: &mut Option<Batches>) -> Width {
-        Width::Four
-    }
-
-    fn solve_in<L: F32xN>(
-        &self,
-        problem: &mut PatchProblem,
-        batches: Option<Batches>,
-    ) -> SolveReport {
-        let mut kept = problem.memory.take::<Kept<L>>();
-        let mut scratch = match &mut kept {
-            Some(kept) => std::mem::take(&mut kept.scratch),
-            None => Scratch::default(),
-        };
-        let span = tracing::info_span!("refresh").entered();
-        let (budget, bounces) = self.begin::<L>(problem, &mut scratch);
-        let gaps = Gaps::of(problem);
-        let hits = blows::expected(problem, &gaps);
-        let mut tops = match hits {
-            true => spinners::Found::default(),
-            false => spinners::Found::of(problem),
-        };
-        let spins = !tops.is_empty();
-        let straight = hits || spins || budget.downwards || !problem.joints.is_empty();
-        let mut kept = Kept::<L>::of(kept, problem, self.lanes, batches, straight);
-        let island = &mut kept.island;
-        island.spinners.take(&mut tops);
-        // With so few sweeps, passing blocks from core to core takes longer than a second thread saves.
-        let threads = problem.threads;
-        let may_be_quiet = !hits && island.alone && may_be_quiet(problem, bounces.is_some());
-        if may_be_quiet {
-            problem.threads = 1;
-        }
-        island.deepest = parting::deepest(&gaps);
-        let spring = self.spring(budget, problem.dt);
-        self.plan_in(budget, problem.dt, &mut scratch.passes);
-        let passes = &*scratch.passes;
-        let (first, others) = passes.split_at(match may_be_quiet {
-            true => first_round(passes, problem.effort),
-            false => passes.len(),
-        });
-        // Where blows are expected or bodies spin, each sweep ends before the next begins.
-        let may_follow = if hits || spins { 0 } else { first.len() };
-        let (free_merit, changes) =
-            island.start_and_sweep(problem, budget.substeps, &spring, (passes, may_follow));
-        drop(span);
-        let span = tracing::info_span!("sweeps").entered();
-        let mut report = SolveReport::new(free_merit, problem.record_history);
-        let mut tell = |change: f32| {
-            report.record(change.max(0.0).sqrt());
-        };
-        let done = changes.len();
-        changes.into_iter().for_each(&mut tell);
-        match hits {
-            true => island.sweep_through_blows(&mut kept.blows, problem, passes, &mut tell),
-            false => kept.sweep_if_needed(problem, [&first[done..], others], threads, &mut tell),
-        }
-        drop(span);
-        let _span = tracing::info_span!("store").entered();
-        if parting::is_needed(&gaps) {
-            kept.island.part(problem);
-        }
-        kept.island.store(problem, self.followed(budget));
-        tops.restore(problem);
-        self.end(problem, bounces, budget.substeps);
-        settling::damp(problem, &scratch.body_loads);
-        kept.scratch = scratch;
-        problem.memory.keep(kept);
-        report
-    }
-
-    /// Finds the sweeps that a problem needs and the contacts that will bounce. Cold-starts contacts that carry nothing yet.
-    fn begin<L: F32xN>(
-        &self,
-        problem: &mut PatchProblem,
-        scratch: &mut Scratch,
-    ) -> (SweepBudget, Option<Bounces>) {
-        let Scratch {
-            body_loads,
-            courses,
-            ..
-        } = scratch;
-        let mut statistics = LoadStatistics::of(problem, body_loads);
-        let bounces = statistics.bounces.then(|| restitution::find(problem));
-        if start::cold_start::<L>(problem, body_loads) {
-            statistics = LoadStatistics::of(problem, body_loads);
-        }
-        let budget = SweepBudget::new(self, problem, (&statistics, &*body_loads), courses);
-        (budget, bounces)
-    }
-
-    /// Applies restitution after the sweeps.
-    fn end(&self, problem: &mut PatchProblem, bounces: Option<Bounces>, substeps: usize) {
-        if let Some(bounces) = bounces {
-            restitution::bounce(problem, bounces, substeps);
-        }
-    }
-
-    fn spring(&self, budget: SweepBudget, dt: f32) -> Spring {
-        Spring {
-            omega: TAU * budget.rate / self.sweeps_per_period,
-            damping_ratio: self.damping_ratio,
-            h: dt / budget.substeps as f32,
-        }
-    }
-
-    /// The share by which loads at rest follow the impulses of this step.
-    fn followed(&self, budget: SweepBudget) -> f32 {
-        let slower = match budget.downwards {
-            true => TALL_SLOWDOWN,
-            false => 1.0,
-        };
-        (budget.followed / (slower * self.preload_sweeps)).min(1.0)
-    }
-
-    /// The sweeps of a step of `dt` s, in order.
-    fn plan(&self, budget: SweepBudget, dt: f32) -> Vec<Pass> {
-        let mut passes = Vec::new();
-        self.plan_in(budget, dt, &mut passes);
-        passes
-    }
-
-    /// Like [`plan`](Self::plan), but reuses a list.
-    fn plan_in(&self, budget: SweepBudget, dt: f32, passes: &mut Vec<Pass>) {
-        let h = dt / budget.substeps as f32;
-        passes.clear();
-        for substep in 1..=budget.substeps {
-            let last = substep == budget.substeps;
-            let soft = Pass {
-                soft: true,
-                down: false,
-                first: substep == 1,
-                rate: 1.0 / h,
-                preload: self.preload,
-                drift: Some(h),
-                extrapolates: false,
-            };
-            passes.push(soft);
-            if substep % budget.substeps_per_rigid_sweep == 0 || last {
-                passes.push(Pass {
-                    soft: false,
-                    down: budget.downwards,
-                    drift: None,
-                    ..soft
-                });
-            }
-            if let Some(pass) = passes.last_mut().filter(|_| !last) {
-                pass.extrapolates = true;
-            }
-        }
-    }
-}
-
 /// Gives contacts that carry nothing yet the impulses that they have in equilibrium, as warm start and as loads at rest. Bodies do not
 /// move. The problem has no joints.
 pub fn settle(problem: &mut PatchProblem) {
@@ -358,25 +179,3 @@ pub fn settle(problem: &mut PatchProblem) {
         Width::Four => search.run::<F32x4>(problem),
     }
 }
-
-/// Whether [`Lanes::Auto`] chose this width in the last step, and the reason still holds.
-#[cfg(target_arch = "x86_64")]
-fn was_auto<L: F32xN>(problem: &PatchProblem) -> bool {
-    let kept = problem.memory.peek::<Kept<L>>();
-    kept.is_some_and(|Kept { island, .. }| {
-        island.lanes == Lanes::Auto && island.alone == stands_by_itself(problem)
-    })
-}
-
-/// Whether blocks of eight are faster. A visit to a block of eight costs 1.1 times one of four.
-#[cfg(target_arch = "x86_64")]
-fn fills_eight(problem: &PatchProblem, found: &mut Option<Batches>) -> bool {
-    if problem.patches.len() < HALF_FULL {
-        return false;
-    }
-    found.insert(skewed(F32x8::LANES, problem)).holds(HALF_FULL)
-}
-
-/// Mean number of patches in a block of eight from which on it is faster: skewed, those of a wall of 10 × 10 hold 7, those of an arch 5.
-#[cfg(target_arch = "x86_64")]
-const HALF_FULL: usize = 4;

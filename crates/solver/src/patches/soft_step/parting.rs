@@ -11,6 +11,7 @@
 use super::gaps::Gaps;
 use super::island::Island;
 use crate::Both;
+use crate::contact_row::{ContactRow, add_to};
 use crate::lanes::{F32xN, State};
 use crate::{Body, PatchConstraint, PatchProblem};
 use glam::{Vec3, Vec4};
@@ -83,20 +84,16 @@ impl Movers {
 }
 
 /// A point at which bodies are moved apart.
-struct Row {
+struct Deep {
+    /// Its impulse is that of a motion, kg·m.
+    row: ContactRow,
     /// Those that move for its bodies.
     bodies: [usize; 2],
-    normal: Vec3,
-    arms: [Vec3; 2],
-    /// Inverse effective mass W, 1/kg.
-    response: f32,
     /// The motion that it still needs beyond its motion in this step, m.
     way: f32,
-    /// The impulse of the motion, kg·m.
-    given: f32,
 }
 
-impl Row {
+impl Deep {
     /// The deep points of a patch; each moves by at most `fastest` m in the step.
     fn of<'a>(
         problem: &'a PatchProblem,
@@ -116,38 +113,29 @@ impl Row {
                 true => 0.0,
                 false => response(0) + response(1),
             };
-            let came = |side: usize| {
-                let [linear, angular] = moved[bodies[side]].both(Vec4::truncate);
-                linear + angular.cross(arms[side])
-            };
-            let came = patch.normal.dot(came(0) - came(1));
-            (deep > 0.0 && response > 0.0).then(|| Self {
-                bodies: ends,
-                normal: patch.normal,
+            let row = ContactRow {
+                direction: patch.normal,
                 arms,
                 response,
+                impulse: 0.0,
+            };
+            let came = row.rate(bodies.both(|body| moved[body].both(Vec4::truncate)));
+            (deep > 0.0 && response > 0.0).then(|| Self {
+                row,
+                bodies: ends,
                 way: (deep.min(fastest) - came).min(fastest),
-                given: 0.0,
             })
         })
     }
 
     /// Moves both bodies so that the point moves as far as it needs.
     fn visit(&mut self, bodies: &[Body], movers: &Movers, motions: &mut [[Vec3; 2]]) {
-        let at = |side: usize| {
-            let [linear, angular] = motions[self.bodies[side]];
-            linear + angular.cross(self.arms[side])
-        };
-        let lack = self.way - self.normal.dot(at(0) - at(1));
-        let given = (self.given + lack / self.response).max(0.0);
-        let change = (given - self.given) * self.normal;
-        self.given = given;
+        let lack = self.way - self.row.rate(self.bodies.both(|body| motions[body]));
+        let change = self.row.add(lack / self.row.response, 0.0) * self.row.direction;
         for (side, change) in [change, -change].into_iter().enumerate() {
             let body = self.bodies[side];
-            let answer = movers.answer(bodies, body, change, self.arms[side]);
-            for (motion, change) in motions[body].iter_mut().zip(answer) {
-                *motion += change;
-            }
+            let answer = movers.answer(bodies, body, change, self.row.arms[side]);
+            add_to(&mut motions[body], answer);
         }
     }
 }
@@ -159,8 +147,8 @@ impl<L: F32xN> Island<L> {
         let patches = problem.patches.iter();
         let movers = Movers::new(self, problem.bodies.len());
         let given = (&movers, &*self.motions);
-        let rows = patches.flat_map(|patch| Row::of(problem, patch, given, fastest));
-        let mut rows: Vec<Row> = rows.collect();
+        let rows = patches.flat_map(|patch| Deep::of(problem, patch, given, fastest));
+        let mut rows: Vec<Deep> = rows.collect();
         let mut motions = vec![[Vec3::ZERO; 2]; problem.bodies.len()];
         for _ in 0..SWEEPS {
             for row in &mut rows {

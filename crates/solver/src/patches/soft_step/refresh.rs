@@ -1,16 +1,18 @@
 //! The begin and the end of a step for blocks: they load the state of a problem, and store the results.
 
-use super::contact::block::{Pass, Spring};
+use super::contact::pass::Pass;
+use super::contact::spring::Spring;
 use super::island::Island;
 use super::joints::Contacts;
+use super::kept::Changes;
+use super::sweeps::Mode;
 use super::sweeps::halves::Part;
 use super::sweeps::pipeline::Following;
 use crate::Both;
-use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, Kernel, State, cells};
+use crate::{Body, PatchProblem};
 use glam::Vec4;
-use smallvec::SmallVec;
 use std::ops::Range;
 
 /// The data from which blocks are refreshed.
@@ -131,6 +133,73 @@ impl<L: F32xN> Kernel for End<'_, '_, L> {
 const AT_A_TIME: usize = 64;
 
 impl<L: F32xN> Island<L> {
+    /// Begins a step. The result equals that of an island made anew, to the bit: edits elsewhere in a world must not change a simulation.
+    pub fn begin(&mut self, problem: &PatchProblem, substeps: usize) {
+        self.substeps = substeps;
+        self.skipped = 0;
+        self.find_turned(problem.bodies);
+        self.changed.clear();
+        let revisions = self.loaded.iter_mut().zip(problem.memory.patches());
+        self.changed.extend(revisions.map(|(loaded, &now)| {
+            let before = std::mem::replace(loaded, now);
+            before != now
+        }));
+        self.changed.resize(problem.patches.len(), false);
+        let state = |body: &Body| body.start.both(|velocity| velocity.extend(0.0));
+        self.velocities.clear();
+        self.velocities.extend(problem.bodies.iter().map(state));
+        let seats = self.batches.rounds().count();
+        let further = self.velocities.len() + 1 + self.blocks.len() + seats;
+        self.velocities.resize(further, State::default());
+        self.before.clone_from(&self.velocities);
+        self.changes.resize(self.blocks.len(), L::ZERO);
+        self.motions.clear();
+        self.motions.resize(self.velocities.len(), State::default());
+    }
+
+    /// Finds the bodies whose inverse inertia differs from that of the last step.
+    pub fn find_turned(&mut self, bodies: &[Body]) {
+        let both = self.inertias.iter_mut().zip(bodies);
+        self.turned.clear();
+        self.turned.extend(both.map(|(before, body)| {
+            let turned = *before != body.inverse_inertia;
+            *before = body.inverse_inertia;
+            turned
+        }));
+        self.any_turned = self.turned.contains(&true);
+    }
+
+    /// Applies a share of the step's forces to the bodies.
+    pub fn push(&mut self, bodies: &[Body], share: f32) {
+        for (state, body) in self.velocities.iter_mut().zip(bodies) {
+            for (velocity, push) in state.iter_mut().zip(body.push()) {
+                *velocity += (push * share).extend(0.0);
+            }
+        }
+    }
+
+    /// Applies the warm-start impulses of some blocks.
+    pub fn warm_start(&mut self, blocks: Range<usize>) {
+        for lap in 0..self.batches.laps() {
+            L::run(Start {
+                lanes: self.lanes_of(|of| of == lap),
+                island: &mut *self,
+                blocks: blocks.clone(),
+            });
+        }
+    }
+
+    /// 1 in the lanes whose laps satisfy `is`, else 0.
+    pub fn lanes_of(&self, is: impl Fn(usize) -> bool) -> L {
+        let mut lanes = L::ZERO;
+        for lane in 0..self.batches.lanes_used() {
+            if is(self.batches.lap_of(lane)) {
+                lanes[lane] = 1.0;
+            }
+        }
+        lanes
+    }
+
     /// Refreshes all blocks from the problem, and applies the warm-start impulses of contacts and grabs in the order of the sweep. Returns
     /// the merit of the free motion, J.
     pub fn refresh(
@@ -250,19 +319,23 @@ impl<L: F32xN> Island<L> {
     }
 
     /// Like [`start`](Self::start). If the blocks are larger than caches, sweeps follow through the blocks as these are prepared, so that
-    /// blocks are read from memory once: at most the first `sweeps` of the passes. Returns the merit of the free motion, √J, and Σ Wᵢᵢ Δλᵢ²
+    /// blocks are read from memory once: at most the first of the passes; none if blows are expected. Returns the merit of the free motion, √J, and Σ Wᵢᵢ Δλᵢ²
     /// of each sweep that is done, J.
     pub fn start_and_sweep(
         &mut self,
         problem: &PatchProblem,
         substeps: usize,
         spring: &Spring,
-        (passes, sweeps): (&[Pass], usize),
-    ) -> (f32, SmallVec<[f32; 8]>) {
+        passes: &[Pass],
+        mode: Mode,
+    ) -> (f32, Changes) {
         let may_follow = problem.threads == 1 && self.batches.laps() == 1;
         let pipeline = may_follow.then(|| self.take_pipeline(problem)).flatten();
-        let upwards = passes[..sweeps].iter().take_while(|pass| !pass.down);
-        let upwards = &passes[..upwards.count()];
+        let upwards = passes.iter().take_while(|pass| !pass.down);
+        let upwards = match mode {
+            Mode::Blows => &[],
+            Mode::Overlapping | Mode::OneByOne => &passes[..upwards.count()],
+        };
         let bytes = self.bytes();
         let mut following = pipeline
             .as_ref()
@@ -273,7 +346,7 @@ impl<L: F32xN> Island<L> {
             }
         };
         let merit = self.start_before(problem, substeps, spring, passes, &mut follow);
-        let changes = following.map_or_else(SmallVec::new, |following| following.changes());
+        let changes = following.map_or_else(Changes::new, |following| following.changes());
         if may_follow {
             self.pipeline = pipeline;
         }
@@ -297,5 +370,34 @@ impl<L: F32xN> Island<L> {
         }
         self.joints.store(problem, &self.motions, rate);
         self.spinners.store(problem, &self.motions);
+    }
+}
+
+/// Applies the warm-start impulses of contacts in some lanes of some blocks.
+struct Start<'a, L: F32xN> {
+    island: &'a mut Island<L>,
+    /// 1 in those lanes, else 0.
+    lanes: L,
+    blocks: Range<usize>,
+}
+
+impl<L: F32xN> Kernel for Start<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Island {
+            blocks,
+            points,
+            velocities,
+            round_ends,
+            ..
+        } = self.island;
+        let velocities = cells(velocities);
+        for number in self.blocks {
+            let block = &blocks[number];
+            block.warm_start(&points[block.range()], velocities, self.lanes);
+            round_ends.after(number, velocities);
+        }
     }
 }

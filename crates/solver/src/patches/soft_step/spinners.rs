@@ -5,7 +5,7 @@
 //! is about to swing away. So each substep of a spinner ends with its own gyroscopic change. Its inertia and its arms swing with its axis,
 //! because all of its contacts lie there. A wheel is no spinner: it touches the ground with other points from substep to substep.
 
-use super::contact::block::Pass;
+use super::contact::pass::Pass;
 use super::island::Island;
 use super::joints::Member;
 use crate::Body;

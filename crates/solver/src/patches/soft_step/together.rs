@@ -5,11 +5,13 @@
 //! island equals bit for bit that of solving it alone, except for the sign of zeros.
 
 use super::gaps::Gaps;
-use super::island::{Island, batches, stands_by_itself};
-use super::sweeps::budget::SweepBudget;
+use super::island::Island;
+use super::step::Begun;
+use super::sweeps::layout::batches;
 use super::sweeps::quiet::{first_round, may_be_quiet};
-use super::{Bounces, PatchSolver, SoftStep, blows, parting, spinners};
+use super::{SoftStep, blows, parting, spinners};
 use crate::lanes::F32xN;
+use crate::patches::PatchSolver;
 use crate::sort;
 use crate::{Body, Memory, PatchConstraint, PatchPoint, PatchProblem, SolveReport};
 use glam::Vec3;
@@ -96,11 +98,10 @@ impl Joint {
 }
 
 /// A problem that is ready for its sweeps.
-struct Begun {
+struct Ready {
     /// Its index.
     number: usize,
-    budget: SweepBudget,
-    bounces: Option<Bounces>,
+    begun: Begun,
     /// Whether it may be [quiet](super::sweeps::quiet).
     may_be_quiet: bool,
 }
@@ -120,7 +121,7 @@ impl SoftStep {
         problems: &mut [PatchProblem],
     ) -> Vec<SolveReport> {
         let mut reports = vec![SolveReport::default(); problems.len()];
-        let mut begun = Vec::with_capacity(problems.len());
+        let mut ready = Vec::with_capacity(problems.len());
         for (number, problem) in problems.iter_mut().enumerate() {
             let gaps = Gaps::of(problem);
             let has_joints = !problem.joints.is_empty();
@@ -130,41 +131,39 @@ impl SoftStep {
             }
             // The kept state will be out of date after this step.
             problem.memory.discard();
-            let (budget, bounces) = self.begin::<L>(problem, &mut Default::default());
-            begun.push(Begun {
+            let begun = self.begin::<L>(problem, &mut Default::default());
+            ready.push(Ready {
                 number,
-                budget,
-                may_be_quiet: may_be_quiet(problem, bounces.is_some()) && stands_by_itself(problem),
-                bounces,
+                may_be_quiet: may_be_quiet(problem, begun.bounces()),
+                begun,
             });
         }
-        let sweeps = |begun: &Begun| (begun.budget.plan(), begun.may_be_quiet);
-        sort::by_key(&mut begun, |begun| {
-            let ((substeps, per_rigid_sweep, downwards), may_be_quiet) = sweeps(begun);
+        let sweeps = |ready: &Ready| (ready.begun.budget.plan(), ready.may_be_quiet);
+        sort::by_key(&mut ready, |ready| {
+            let ((substeps, per_rigid_sweep, downwards), may_be_quiet) = sweeps(ready);
             let flags = u64::from(downwards) << 1 | u64::from(may_be_quiet);
             (substeps, per_rigid_sweep, flags)
         });
-        for group in begun.chunk_by(|a, b| sweeps(a) == sweeps(b)) {
+        for group in ready.chunk_by(|a, b| sweeps(a) == sweeps(b)) {
             let mut may_be_quiet = group[0].may_be_quiet;
-            let mut rest: Vec<&Begun> = group.iter().collect();
+            let mut rest: Vec<&Ready> = group.iter().collect();
             while !rest.is_empty() {
-                let mut joint = Joint::of(rest.iter().map(|begun| &problems[begun.number]));
+                let mut joint = Joint::of(rest.iter().map(|ready| &problems[ready.number]));
                 let like = &problems[rest[0].number];
                 let (found, again) = self.solve_joint::<W>(&mut joint, like, &rest, may_be_quiet);
                 may_be_quiet = false;
                 let mut members: Vec<_> = problems.iter_mut().map(Some).collect();
-                let members = rest.iter().filter_map(|begun| members[begun.number].take());
+                let members = rest.iter().filter_map(|ready| members[ready.number].take());
                 joint.give_back(members, &again);
-                for (begun, report) in rest.iter().zip(found) {
-                    reports[begun.number] = report;
+                for (ready, report) in rest.iter().zip(found) {
+                    reports[ready.number] = report;
                 }
                 let mut again = again.into_iter();
                 rest.retain(|_| again.next() == Some(true));
             }
         }
-        for begun in begun {
-            let problem = &mut problems[begun.number];
-            self.end(problem, begun.bounces, begun.budget.substeps);
+        for Ready { number, begun, .. } in ready {
+            begun.end(&mut problems[number]);
         }
         reports
     }
@@ -175,7 +174,7 @@ impl SoftStep {
         &self,
         joint: &mut Joint,
         like: &PatchProblem,
-        begun: &[&Begun],
+        ready: &[&Ready],
         may_be_quiet: bool,
     ) -> (Vec<SolveReport>, Vec<bool>) {
         let mut memory = Memory::default();
@@ -187,19 +186,18 @@ impl SoftStep {
         let batches = batches(L::LANES, &problem);
         let mut island = Island::<L>::new(&problem, batches);
         island.spinners.take(&mut tops);
-        let budget = begun[0].budget;
-        let (spring, passes) = (
-            self.spring(budget, problem.dt),
-            self.plan(budget, problem.dt),
-        );
+        let budget = ready[0].begun.budget;
+        let spring = self.spring(budget, problem.dt);
+        let mut passes = Vec::new();
+        let passes = self.plan(budget, problem.dt, &mut passes);
         let frequencies = owners.iter().map(|&owner| {
-            let own = begun[owner as usize].budget;
+            let own = ready[owner as usize].begun.budget;
             self.spring(own, problem.dt).omega
         });
         island.frequencies.extend(frequencies);
-        island.start(&problem, budget.substeps, &spring, &passes);
+        island.start(&problem, budget.substeps, &spring, passes);
         let round = match may_be_quiet {
-            true => first_round(&passes, problem.effort),
+            true => first_round(passes, problem.effort),
             false => passes.len(),
         };
         let (first, others) = passes.split_at(round);

@@ -11,6 +11,7 @@
 use super::hot::{Hot, Place};
 use super::{BLOW, SETTLED};
 use crate::Both;
+use crate::contact_row::{ContactRow, add_to};
 use crate::groups::Groups;
 use crate::lanes::{F32xN, State};
 use crate::patches::soft_step::island::Island;
@@ -36,7 +37,7 @@ pub struct HandDown {
     stops: Vec<bool>,
     /// By body: its velocity after the stop.
     stopped: Vec<State>,
-    rows: Vec<Row>,
+    rows: Vec<Support>,
     /// Velocities and impulses before the pass. They are restored where handing down has gained energy.
     before: Vec<State>,
     impulses: Vec<Before>,
@@ -55,38 +56,29 @@ struct Before {
 }
 
 /// A point of contact under a body.
-struct Row {
-    /// Points into the body.
-    normal: Vec3,
-    /// From the centres of mass of the body and of the body below, m.
-    arms: [Vec3; 2],
+struct Support {
+    /// A is the body, B the one below, which cannot yield.
+    row: ContactRow,
     below: u32,
     /// The index of the point that holds its impulse.
     point: u32,
     lane: u32,
-    /// Inverse effective mass for a body below that cannot yield, 1/kg.
-    response: f32,
     /// The smallest velocity along the normal that the point allows the body, m/s.
     least: f32,
-    /// Its impulse, N·s.
-    impulse: f32,
+    /// The impulse before the pass, N·s.
     before: f32,
 }
 
-impl Row {
+impl Support {
     /// The velocity that the body lacks at the point, m/s.
-    fn lack(&self, [linear, angular]: [Vec3; 2]) -> f32 {
-        self.least - self.normal.dot(linear + angular.cross(self.arms[0]))
+    fn lack(&self, velocity: [Vec3; 2]) -> f32 {
+        self.least - self.row.rate_of_a(velocity)
     }
 
     /// Adds to its impulse, which stays ≥ 0. Returns the amount that was added, N·s.
     fn give(&mut self, impulse: f32, body: &Body, velocity: &mut [Vec3; 2]) -> f32 {
-        let found = (self.impulse + impulse).max(0.0);
-        let given = found - self.impulse;
-        self.impulse = found;
-        let [linear, angular] = body.answer(given * self.normal, self.arms[0]);
-        velocity[0] += linear;
-        velocity[1] += angular;
+        let given = self.row.add(impulse, 0.0);
+        add_to(velocity, self.row.answer(given, body, 0));
         given
     }
 }
@@ -270,27 +262,28 @@ impl HandDown {
 
     /// Applies the impulses of the rows to their points and to the bodies below.
     fn hand_on<L: F32xN>(&mut self, body: u32, problem: &PatchProblem, island: &mut Island<L>) {
-        for row in &self.rows {
-            let given = row.impulse - row.before;
+        for support in &self.rows {
+            let given = support.row.impulse - support.before;
             if given == 0.0 {
                 continue;
             }
-            island.points[row.point as usize].impulse[row.lane as usize] = row.impulse;
+            island.points[support.point as usize].impulse[support.lane as usize] =
+                support.row.impulse;
             self.impulses.push(Before {
                 body,
-                point: row.point,
-                lane: row.lane,
-                impulse: row.before,
+                point: support.point,
+                lane: support.lane,
+                impulse: support.before,
             });
-            let below = &problem.bodies[row.below as usize];
+            let below = &problem.bodies[support.below as usize];
             if below.inverse_mass > 0.0 {
-                self.linked.link([body, row.below]);
-                let answer = below.answer(-given * row.normal, row.arms[1]);
-                let state = &mut island.velocities[row.below as usize];
+                self.linked.link([body, support.below]);
+                let answer = support.row.answer(given, below, 1);
+                let state = &mut island.velocities[support.below as usize];
                 for (velocity, change) in state.iter_mut().zip(answer) {
                     *velocity += change.extend(0.0);
                 }
-                self.stops[row.below as usize] |= given.abs() * below.inverse_mass > SETTLED;
+                self.stops[support.below as usize] |= given.abs() * below.inverse_mass > SETTLED;
             }
         }
     }
@@ -323,16 +316,18 @@ impl HandDown {
                 if response <= 0.0 {
                     continue;
                 }
-                self.rows.push(Row {
-                    normal,
-                    arms,
+                self.rows.push(Support {
+                    row: ContactRow {
+                        direction: normal,
+                        arms,
+                        response,
+                        impulse: found.impulse[lane],
+                    },
                     below,
                     point,
                     lane: place.lane,
-                    response,
                     // The body may still close the gap.
                     least: normal.dot(linear + angular.cross(arms[1])) - found.gap[lane] * rate,
-                    impulse: found.impulse[lane],
                     before: found.impulse[lane],
                 });
             }
@@ -348,28 +343,32 @@ fn kinetic_energy(body: &Body, velocity: &State) -> f64 {
 }
 
 /// Stops a body by the points under it.
-fn stop(rows: &mut [Row], body: &Body, velocity: &mut [Vec3; 2]) {
+fn stop(rows: &mut [Support], body: &Body, velocity: &mut [Vec3; 2]) {
     // All points that lack velocity first get the same impulse. Visits alone would let the first point turn the body.
     let was = *velocity;
-    let lacking = |row: &Row| row.lack(was) > 0.0;
+    let lacking = |support: &Support| support.lack(was) > 0.0;
     let (mut missing, mut force, mut moment) = (0.0, Vec3::ZERO, Vec3::ZERO);
-    for row in rows.iter().filter(|row| lacking(row)) {
-        missing += row.lack(was);
-        force += row.normal;
-        moment += row.arms[0].cross(row.normal);
+    for support in rows.iter().filter(|support| lacking(support)) {
+        missing += support.lack(was);
+        force += support.row.direction;
+        moment += support.row.arms[0].cross(support.row.direction);
     }
     let turned = moment.dot(body.inverse_inertia * moment);
     let response = body.inverse_mass * (force * body.free_axes).length_squared() + turned;
     if missing > 0.0 && response > 0.0 {
-        for row in rows.iter_mut().filter(|row| lacking(row)) {
-            row.give(missing / response, body, velocity);
+        for support in rows.iter_mut().filter(|support| lacking(support)) {
+            support.give(missing / response, body, velocity);
         }
     }
     for _ in 0..VISITS {
         let mut most = 0f32;
-        for row in rows.iter_mut() {
-            let given = row.give(row.lack(*velocity) / row.response, body, velocity);
-            most = most.max(given.abs() * row.response);
+        for support in rows.iter_mut() {
+            let given = support.give(
+                support.lack(*velocity) / support.row.response,
+                body,
+                velocity,
+            );
+            most = most.max(given.abs() * support.row.response);
         }
         if most < SHARED {
             break;

@@ -9,107 +9,14 @@
 //! The module [`carry`](super::carry) loads patches into a block and stores them.
 
 use super::locks::{Ease, Locks, PushLocked};
+use super::pass::Pass;
+use super::spring::{Softness, Spring};
 use crate::lanes::{F32xN, Frame, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
 /// The smallest radius of a point, as a share of the radius of gyration about its normal. A body that is pinched between two points turns
 /// about them, and without any friction there it would never come to rest.
 const SPOT: f32 = 0.003;
-
-/// The parameters of one pass.
-#[derive(Clone, Copy, Debug)]
-pub struct Pass {
-    /// Rows are springs; otherwise they are rigid.
-    pub soft: bool,
-    /// The sweep goes from the last block to the first.
-    pub down: bool,
-    /// This is the first substep of the step.
-    pub first: bool,
-    /// Inverse length of a substep, 1/s.
-    pub rate: f32,
-    /// Share of a load that is being taken off which soft rows hold on to.
-    pub preload: f32,
-    /// After the pass, bodies drift for this time, s.
-    pub drift: Option<f32>,
-    /// Another substep follows the pass.
-    pub extrapolates: bool,
-}
-
-impl Pass {
-    /// Finishes the pass for a body, after the last visit to it. The forces of the next substep and the contact impulses of the last one
-    /// are an extrapolation of its velocity.
-    #[inline(always)]
-    pub fn end(&self, velocity: &Cell<State>, before: &Cell<State>, motion: &Cell<State>) {
-        self.drift(velocity, motion);
-        self.extrapolate(velocity, before);
-    }
-
-    /// Moves a body, if bodies drift after this pass.
-    #[inline(always)]
-    pub fn drift(&self, velocity: &Cell<State>, motion: &Cell<State>) {
-        if let Some(h) = self.drift {
-            let now = velocity.get();
-            let [linear, angular] = motion.get();
-            motion.set([linear + h * now[0], angular + h * now[1]]);
-        }
-    }
-
-    /// Extrapolates the velocity of a body, if another substep follows.
-    #[inline(always)]
-    pub fn extrapolate(&self, velocity: &Cell<State>, before: &Cell<State>) {
-        if self.extrapolates {
-            let now = velocity.get();
-            let was = before.replace(now);
-            velocity.set([now[0] + (now[0] - was[0]), now[1] + (now[1] - was[1])]);
-        }
-    }
-}
-
-/// Coefficients of a soft row: a damped spring, solved implicitly (Catto, "Soft Constraints", GDC 2011; Box2D v3).
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Softness<L> {
-    /// Correction speed per distance, 1/s.
-    pub bias_rate: L,
-    /// Share of the rigid impulse that a row gives.
-    pub mass_scale: L,
-    /// Share of its impulse that a row gives back.
-    pub impulse_scale: L,
-}
-
-/// The spring of a soft row whose body has two neighbours.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Spring {
-    /// Angular frequency ω, rad/s.
-    pub omega: f32,
-    /// Damping ratio ζ.
-    pub damping_ratio: f32,
-    /// Length of a substep, s.
-    pub h: f32,
-}
-
-impl Spring {
-    /// b = ωh (2ζ + ωh), the effective mass of a row over its compliance, and the correction speed per distance, 1/s.
-    pub fn stiffness_and_bias(&self) -> (f32, f32) {
-        let turned = self.omega * self.h;
-        let a = 2.0 * self.damping_ratio + turned;
-        (turned * a, self.omega / a)
-    }
-
-    /// The coefficients of springs of frequency `omega`, rad/s, whose stiffness is scaled by a factor.
-    #[inline(always)]
-    fn softness<L: F32xN>(&self, omega: L, stiffness: L) -> Softness<L> {
-        let omega = omega * stiffness.sqrt();
-        let turned = omega * L::splat(self.h);
-        let a = L::splat(2.0 * self.damping_ratio) + turned;
-        let b = turned * a;
-        let impulse_scale = (b + L::ONE).inverse();
-        Softness {
-            bias_rate: omega * a.inverse(),
-            mass_scale: b * impulse_scale,
-            impulse_scale,
-        }
-    }
-}
 
 /// Patches side by side, one in each lane, with the data that their rows need in a visit.
 #[derive(Clone, Debug, Default)]

@@ -9,7 +9,7 @@
 //! The filtered stress outlasts the relief, and the stress of a single substep may be that of a blow. Only if both exceed the strength, the
 //! patch breaks.
 
-use super::row::Row;
+use super::row::JointRow;
 use super::{Joints, Log};
 use crate::joint::{MortarFailure, Section, Utilization};
 use glam::Vec3;
@@ -53,7 +53,7 @@ impl Joints {
                 });
                 self.rows[link.rows.clone()]
                     .iter_mut()
-                    .for_each(Row::release);
+                    .for_each(JointRow::release);
             }
         }
     }
@@ -88,7 +88,7 @@ impl Joints {
                 log.used = None;
                 self.rows[link.rows.clone()]
                     .iter_mut()
-                    .for_each(Row::release);
+                    .for_each(JointRow::release);
                 (piece.is_stale, piece.is_refreshed, piece.is_calm) = (true, true, false);
             }
         }

@@ -1,7 +1,7 @@
 //! The joints of an island in its sweeps.
 
 use crate::lanes::{F32xN, cells};
-use crate::patches::soft_step::contact::block::Pass;
+use crate::patches::soft_step::contact::pass::Pass;
 use crate::patches::soft_step::island::Island;
 use crate::patches::soft_step::joints::Contacts;
 

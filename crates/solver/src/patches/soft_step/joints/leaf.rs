@@ -15,12 +15,11 @@ use crate::Both;
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, State};
-use crate::patches::soft_step::contact::block::{Block, Pass, Points};
+use crate::patches::soft_step::contact::block::{Block, Points};
+use crate::patches::soft_step::contact::normals::UNLOADED;
+use crate::patches::soft_step::contact::pass::Pass;
 use glam::{Vec3, Vec4};
 use std::cell::Cell;
-
-/// See `visit.rs`: the held load of a point is at most its load at rest times this times the share that the patch carries.
-const UNLOADED: f32 = 3.0;
 
 /// Compliance of a contact in a cold start, times its effective mass. That of a spring (0.06) would let a table on light legs begin to
 /// sink.

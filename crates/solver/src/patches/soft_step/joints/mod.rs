@@ -36,7 +36,8 @@ use crate::joint::{
     COORDINATES, Geometry, Part, Placement, Times, Utilization, filter_share, rows_of,
 };
 use crate::lanes::{F32xN, State, has_fused};
-use crate::patches::soft_step::contact::block::{Pass, Spring};
+use crate::patches::soft_step::contact::pass::Pass;
+use crate::patches::soft_step::contact::spring::Spring;
 use crate::sort;
 use crate::{JointConstraint, Lanes, PatchProblem};
 use glam::{Mat3, Vec3};
@@ -44,7 +45,7 @@ pub use leaf::Contacts;
 use leaf::{LeafPatch, read};
 pub use member::Member;
 use piece::{Lists, Piece};
-use row::{Link, Row};
+use row::{JointRow, Link};
 use std::cell::Cell;
 use std::ops::Range;
 
@@ -67,7 +68,7 @@ pub struct Joints {
     /// By body: its member if it moves, else `u32::MAX`.
     member_of: Vec<u32>,
     links: Vec<Link>,
-    rows: Vec<Row>,
+    rows: Vec<JointRow>,
     pieces: Vec<Piece>,
     patches: Vec<LeafPatch>,
     offsets: Vec<Vec3>,
@@ -238,7 +239,7 @@ impl Joints {
                 let first = self.rows.len();
                 let rows = rows_of(joint);
                 self.rows
-                    .extend(rows.map(|(number, part)| Row::new(number, part)));
+                    .extend(rows.map(|(number, part)| JointRow::new(number, part)));
                 let ends = joint.bodies.both(|body| place[body as usize]);
                 let geometry = Geometry::new(joint, [Placement::START; 2]);
                 let rows = first..self.rows.len();
@@ -312,7 +313,7 @@ impl Joints {
         for link in &mut self.links {
             let joint = &mut self.joints[link.joint];
             for row in &mut self.rows[link.rows.clone()] {
-                *row = Row::new(row.coordinate, row.part);
+                *row = JointRow::new(row.coordinate, row.part);
             }
             link.point(joint, &mut self.rows, &self.members);
             link.find_responses(&mut self.rows, &self.members);
@@ -585,7 +586,7 @@ impl Joints {
 /// counts as one of the next substep: a pendulum would seem to pull with 1, 3 and 5 times its weight in turns, and not with 3.
 fn record(
     piece: &mut Piece,
-    (links, rows): (&[Link], &mut [Row]),
+    (links, rows): (&[Link], &mut [JointRow]),
     logs: &mut [Log],
     (joints, h): (&[JointConstraint], f32),
 ) {

@@ -11,11 +11,11 @@ use super::borders::{Borders, MOST_BORDERS, Wanted};
 use super::factor::{Coupling, Factor, Numbers};
 use super::leaf::{Contacts, Held, Leaf, LeafPatch, add, read};
 use super::member::Member;
-use super::row::{Bound, Link, Row};
+use super::row::{Bound, JointRow, Link};
 use super::springs::{self, Springs};
 use crate::Both;
 use crate::lanes::{F32xN, PlainKernel, State, run_plain};
-use crate::patches::soft_step::contact::block::Pass;
+use crate::patches::soft_step::contact::pass::Pass;
 use glam::{DVec3, Vec3};
 use std::cell::Cell;
 use std::ops::Range;
@@ -96,7 +96,7 @@ pub struct Piece {
 pub struct Lists<'a> {
     pub members: &'a mut [Member],
     pub links: &'a [Link],
-    pub rows: &'a mut [Row],
+    pub rows: &'a mut [JointRow],
     pub patches: &'a [LeafPatch],
     pub offsets: &'a [Vec3],
 }

@@ -51,7 +51,7 @@ pub struct Link {
 
 /// A row of a joint.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct JointRow {
     pub coordinate: usize,
     pub part: Part,
     /// The coordinate now and at the last refresh, m or rad.
@@ -89,7 +89,7 @@ pub struct Row {
     pub left: f64,
 }
 
-impl Row {
+impl JointRow {
     pub fn new(coordinate: usize, part: Part) -> Self {
         Self {
             coordinate,
@@ -295,7 +295,7 @@ impl Row {
     }
 }
 
-impl Row {
+impl JointRow {
     /// Whether a solve would change nothing that counts, in a soft and in a rigid sweep, given what it lacks in one of them.
     #[inline]
     pub fn is_content(&self, soft: bool, slack: f32) -> bool {
@@ -359,7 +359,12 @@ impl Link {
     }
 
     /// Computes directions and coordinates.
-    pub fn point(&mut self, joint: &mut JointConstraint, rows: &mut [Row], members: &[Member]) {
+    pub fn point(
+        &mut self,
+        joint: &mut JointConstraint,
+        rows: &mut [JointRow],
+        members: &[Member],
+    ) {
         let ends = self.ends.both(|end| &members[end]);
         self.geometry = Geometry::new(joint, ends.both(|end| end.placement));
         joint.angles = self.geometry.angles();
@@ -379,7 +384,7 @@ impl Link {
     }
 
     /// Finds the inverse effective masses of its rows. They give rows their compliances, which stay for a step.
-    pub fn find_responses(&self, rows: &mut [Row], members: &[Member]) {
+    pub fn find_responses(&self, rows: &mut [JointRow], members: &[Member]) {
         let ends = self.ends.both(|end| &members[end]);
         for row in &mut rows[self.rows.clone()] {
             row.find_response(&self.geometry, ends);
@@ -388,7 +393,7 @@ impl Link {
 
     /// Updates coordinates along the directions of the last refresh.
     #[inline]
-    pub fn follow(&self, rows: &mut [Row], members: &[Member]) {
+    pub fn follow(&self, rows: &mut [JointRow], members: &[Member]) {
         let relative = self.relative(self.motions(members));
         for row in &mut rows[self.rows.clone()] {
             row.value = row.refreshed + row.rate(&relative);
@@ -407,7 +412,7 @@ impl Link {
 
     /// The impulse and the angular impulse of its rows on B, at the anchor of B.
     #[inline]
-    pub fn impulse(&self, rows: &[Row]) -> [Vec3; 2] {
+    pub fn impulse(&self, rows: &[JointRow]) -> [Vec3; 2] {
         let mut sums = [Vec3::ZERO; 2];
         for row in &rows[self.rows.clone()] {
             sums[usize::from(row.is_angular())] += row.impulse * row.direction;
@@ -426,7 +431,7 @@ impl Link {
     }
 
     /// How far its bodies are from where it holds them: the coordinates, and angles times `size` (m), m.
-    pub fn misfit(&self, rows: &[Row], size: f32) -> f32 {
+    pub fn misfit(&self, rows: &[JointRow], size: f32) -> f32 {
         let rows = rows[self.rows.clone()].iter();
         let errors = rows.map(|row| match row.is_angular() {
             true => size * row.value.abs(),
@@ -436,7 +441,7 @@ impl Link {
     }
 
     /// Divides the forces of the joint among its rows, as impulses to begin with.
-    pub fn start(&self, joint: &JointConstraint, rows: &mut [Row], times: &Times) {
+    pub fn start(&self, joint: &JointConstraint, rows: &mut [JointRow], times: &Times) {
         let mut left = joint.forces.map(|force| times.h * force);
         let rows = &mut rows[self.rows.clone()];
         for i in 0..rows.len() {
@@ -449,14 +454,14 @@ impl Link {
     }
 
     /// Updates laws.
-    pub fn ask(&self, joint: &JointConstraint, rows: &mut [Row], times: &Times) {
+    pub fn ask(&self, joint: &JointConstraint, rows: &mut [JointRow], times: &Times) {
         for row in &mut rows[self.rows.clone()] {
             row.ask(joint, times);
         }
     }
 
     /// Updates compliances; `stiffness` is b of the springs of contacts: their effective mass over their compliance.
-    pub fn soften(&self, rows: &mut [Row], stiffness: f32) {
+    pub fn soften(&self, rows: &mut [JointRow], stiffness: f32) {
         for row in &mut rows[self.rows.clone()] {
             row.soften(stiffness);
         }

@@ -12,7 +12,7 @@
 //! with [r] v = r × v, and the opposite of it if x and y are not the same.
 
 use super::factor::{Block, Numbers, Quad, fused};
-use super::row::{Link, Row};
+use super::row::{JointRow, Link};
 use crate::Both;
 use glam::{DVec3, Vec3};
 
@@ -61,7 +61,7 @@ fn turn<const FUSED: bool>(arm: DVec3, mut to: Columns, of: &Columns) -> Columns
 impl Springs {
     /// Of the rows of a joint that are part of the factorized system.
     #[inline(always)]
-    pub fn of<const FUSED: bool>(link: &Link, rows: &[Row]) -> Self {
+    pub fn of<const FUSED: bool>(link: &Link, rows: &[JointRow]) -> Self {
         let mut matrices = [Columns::default(); 2];
         for row in rows {
             if row.is_factorized {
@@ -101,7 +101,7 @@ impl Springs {
 }
 
 /// The Jacobian of a row over the velocities of a side.
-pub fn jacobian(link: &Link, row: &Row, side: usize) -> Numbers {
+pub fn jacobian(link: &Link, row: &JointRow, side: usize) -> Numbers {
     let direction = row.direction.as_dvec3();
     match row.is_angular() {
         true => wrench(link, side, [DVec3::ZERO, direction]),
@@ -139,11 +139,11 @@ mod tests {
             Vec3::new(0.3, 0.3, 0.4),
             Vec3::new(0.5, -0.8, 0.1),
         ];
-        let rows: Vec<Row> = directions
+        let rows: Vec<JointRow> = directions
             .into_iter()
             .zip([0, 4, 2, 5])
             .map(|(direction, coordinate)| {
-                let mut row = Row::new(coordinate, Part::Hold);
+                let mut row = JointRow::new(coordinate, Part::Hold);
                 row.direction = direction;
                 row.stiffness = 2.0 + coordinate as f64;
                 row.is_factorized = coordinate != 5;
@@ -157,7 +157,7 @@ mod tests {
                 springs.add_to::<false>(&mut block, [x, y]);
                 for (j, column) in block.iter().enumerate() {
                     for i in 0..6 {
-                        let at = |side: usize, row: &Row, i: usize| {
+                        let at = |side: usize, row: &JointRow, i: usize| {
                             jacobian(&link, row, side)[i / 3][i % 3]
                         };
                         let used = rows.iter().filter(|row| row.is_factorized);

@@ -2,6 +2,7 @@
 //! pass is exact for a tower, also on a slope, and a good start for a wall or a pyramid.
 
 use crate::Both;
+use crate::contact_row::{ContactRow, add_to};
 use crate::patches::soft_step::start::upright::{up, upper};
 use crate::{Body, PatchPoint, PatchProblem};
 use bevy_math::ops;
@@ -79,35 +80,32 @@ impl Supports {
 }
 
 /// A direction in which a support pushes a body.
-struct Row {
-    direction: Vec3,
-    /// From the centre of the body, m.
-    arm: Vec3,
-    /// Inverse effective mass for a body below that cannot yield, 1/kg.
-    response: f32,
-    /// Its impulse, N·s.
-    impulse: f32,
+struct Push {
+    /// A is the body, B the one below, which cannot yield.
+    row: ContactRow,
     /// The impulse before the pass, N·s.
     before: f32,
 }
 
-impl Row {
-    fn new(body: &Body, direction: Vec3, arm: Vec3, impulse: f32) -> Self {
-        Self {
+impl Push {
+    fn new(body: &Body, direction: Vec3, arms: [Vec3; 2], impulse: f32) -> Self {
+        let row = ContactRow {
             direction,
-            arm,
-            response: body.response(direction, arm),
+            arms,
+            response: body.response(direction, arms[0]),
             impulse,
+        };
+        Self {
+            row,
             before: impulse,
         }
     }
 
     /// The impulse that would stop the body in its direction, N·s.
-    fn wanted(&self, [linear, angular]: [Vec3; 2]) -> f32 {
-        match self.response > 0.0 {
-            true => {
-                self.impulse - self.direction.dot(linear + angular.cross(self.arm)) / self.response
-            }
+    fn wanted(&self, velocity: [Vec3; 2]) -> f32 {
+        let row = &self.row;
+        match row.response > 0.0 {
+            true => row.impulse - row.rate_of_a(velocity) / row.response,
             // The body is locked in this direction.
             false => 0.0,
         }
@@ -115,14 +113,13 @@ impl Row {
 
     /// The impulse that the pass has added, N·s.
     fn gained(&self) -> Vec3 {
-        self.direction * (self.impulse - self.before)
+        self.row.direction * (self.row.impulse - self.before)
     }
 
     /// Sets its impulse. Returns the absolute change, N·s.
     fn set(&mut self, impulse: f32, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
-        let change = impulse - self.impulse;
-        self.impulse = impulse;
-        push(body, motion, self.direction * change, self.arm);
+        let change = self.row.set(impulse);
+        add_to(motion, self.row.answer(change, body, 0));
         change.abs()
     }
 }
@@ -133,9 +130,9 @@ struct Foot {
     patch: usize,
     /// The side of the body.
     side: usize,
-    normals: SmallVec<[(usize, Row); 4]>,
+    normals: SmallVec<[(usize, Push); 4]>,
     /// Its friction, if that is needed.
-    tangents: Option<[Row; 2]>,
+    tangents: Option<[Push; 2]>,
 }
 
 impl Foot {
@@ -145,17 +142,18 @@ impl Foot {
         let patch = &problem.patches[index];
         let body = &problem.bodies[patch.bodies[side] as usize];
         let sign = if side == 0 { 1.0 } else { -1.0 };
-        let arm = patch.arms[side];
-        let point = |i: usize| -> Option<(usize, Row)> {
+        let arms = [side, 1 - side].both(|side| patch.arms[side]);
+        let point = |i: usize| -> Option<(usize, Push)> {
             let PatchPoint {
                 offset,
                 separation,
                 normal_impulse,
                 ..
             } = problem.points[i];
-            let row = Row::new(body, patch.normal * sign, arm + offset, normal_impulse);
+            let arms = arms.both(|arm| arm + offset);
+            let push = Push::new(body, patch.normal * sign, arms, normal_impulse);
             let carries = separation <= closed || normal_impulse > 0.0;
-            (carries && row.response > 0.0).then_some((i, row))
+            (carries && push.row.response > 0.0).then_some((i, push))
         };
         let normals: SmallVec<_> = patch.range().filter_map(point).collect();
         (!normals.is_empty()).then_some(Self {
@@ -169,9 +167,9 @@ impl Foot {
     /// Lets its points stop the body. Returns the largest change of an impulse, N·s.
     fn push(&mut self, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
         let mut changed = 0f32;
-        for (_, row) in &mut self.normals {
-            let wanted = row.wanted(*motion).max(0.0);
-            changed = changed.max(row.set(wanted, body, motion));
+        for (_, push) in &mut self.normals {
+            let wanted = push.wanted(*motion).max(0.0);
+            changed = changed.max(push.set(wanted, body, motion));
         }
         changed
     }
@@ -181,13 +179,14 @@ impl Foot {
         let patch = &problem.patches[self.patch];
         let tangents = self.tangents.get_or_insert_with(|| {
             let sign = if self.side == 0 { 1.0 } else { -1.0 };
+            let arms = [self.side, 1 - self.side].both(|side| patch.arms[side]);
             let (t1, t2) = patch.normal.any_orthonormal_pair();
             [t1, t2].both(|t| {
                 let before = t.dot(patch.friction_impulse);
-                Row::new(body, t * sign, patch.arms[self.side], before)
+                Push::new(body, t * sign, arms, before)
             })
         });
-        let carried: f32 = self.normals.iter().map(|(_, row)| row.impulse).sum();
+        let carried: f32 = self.normals.iter().map(|(_, push)| push.row.impulse).sum();
         let [x, y] = [0, 1].both(|i| tangents[i].wanted(*motion));
         let share = (patch.friction * carried / ops::hypot(x, y)).min(1.0);
         let found = if share.is_nan() {
@@ -196,7 +195,7 @@ impl Foot {
             [x, y].both(|x| share * x)
         };
         let rows = tangents.iter_mut().zip(found);
-        rows.map(|(row, found)| row.set(found, body, motion))
+        rows.map(|(push, found)| push.set(found, body, motion))
             .fold(0.0, f32::max)
     }
 }
@@ -215,15 +214,12 @@ fn unbalanced(problem: &PatchProblem) -> Vec<[Vec3; 2]> {
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let index = patch.bodies[side] as usize;
             let (body, arm) = (&problem.bodies[index], patch.arms[side]);
-            push(
-                body,
-                &mut motions[index],
-                sign * patch.friction_impulse,
-                arm,
-            );
+            let change = body.answer(sign * patch.friction_impulse, arm);
+            add_to(&mut motions[index], change);
             for point in points {
                 let impulse = sign * point.normal_impulse * patch.normal;
-                push(body, &mut motions[index], impulse, arm + point.offset);
+                let change = body.answer(impulse, arm + point.offset);
+                add_to(&mut motions[index], change);
             }
         }
     }
@@ -308,14 +304,14 @@ fn share(
     // Added load is first divided equally, and removed load in proportion. Visits alone would give the first foot the most, or the least.
     let rows = || feet.iter().flat_map(|foot| &foot.normals);
     let equal = pressed.max(0.0) / rows().count() as f32;
-    let borne: f32 = rows().map(|(_, row)| row.impulse).sum();
+    let borne: f32 = rows().map(|(_, push)| push.row.impulse).sum();
     let left = if borne > 0.0 {
         (1.0 + pressed.min(0.0) / borne).max(0.0)
     } else {
         1.0
     };
-    for (_, row) in feet.iter_mut().flat_map(|foot| &mut foot.normals) {
-        row.set(left * row.impulse + equal, body, motion);
+    for (_, push) in feet.iter_mut().flat_map(|foot| &mut foot.normals) {
+        push.set(left * push.row.impulse + equal, body, motion);
     }
     // Friction is used only where normals give no balance, since springs would have to hold it.
     for with_friction in [false, true] {
@@ -347,30 +343,20 @@ impl Foot {
         let patch = &mut problem.patches[self.patch];
         let (sign, other) = if self.side == 0 { (1.0, 1) } else { (-1.0, 0) };
         let below = patch.bodies[other] as usize;
-        let mut load = |row: &Row, arm: Vec3| {
-            push(
-                &problem.bodies[below],
-                &mut motions[below],
-                -row.gained(),
-                arm,
-            )
+        let mut load = |push: &Push| {
+            let change = problem.bodies[below].answer(-push.gained(), push.row.arms[1]);
+            add_to(&mut motions[below], change);
         };
-        for row in self.tangents.iter().flatten() {
-            patch.friction_impulse += sign * row.gained();
-            load(row, patch.arms[other]);
+        for push in self.tangents.iter().flatten() {
+            patch.friction_impulse += sign * push.gained();
+            load(push);
         }
-        for (i, row) in &self.normals {
+        for (i, push) in &self.normals {
             let point = &mut problem.points[*i];
-            load(row, patch.arms[other] + point.offset);
+            load(push);
             // The current impulse may differ from the load at rest, so only the change is added.
-            point.rest_impulse = (point.rest_impulse + (row.impulse - row.before)).max(0.0);
-            point.normal_impulse = row.impulse;
+            point.rest_impulse = (point.rest_impulse + (push.row.impulse - push.before)).max(0.0);
+            point.normal_impulse = push.row.impulse;
         }
     }
-}
-
-fn push(body: &Body, motion: &mut [Vec3; 2], impulse: Vec3, arm: Vec3) {
-    let [linear, angular] = body.answer(impulse, arm);
-    motion[0] += linear;
-    motion[1] += angular;
 }

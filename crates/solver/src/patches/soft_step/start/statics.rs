@@ -9,9 +9,11 @@
 use super::STILL;
 use crate::PatchProblem;
 use crate::lanes::{F32xN, Kernel, State, cells};
-use crate::patches::soft_step::contact::block::{Pass, Spring};
 use crate::patches::soft_step::contact::kinds::Rigid;
-use crate::patches::soft_step::island::{Island, batches};
+use crate::patches::soft_step::contact::pass::Pass;
+use crate::patches::soft_step::contact::spring::Spring;
+use crate::patches::soft_step::island::Island;
+use crate::patches::soft_step::sweeps::layout::batches;
 
 /// Impulses, or changes of them, N·s and N·m·s.
 struct Impulses<L> {

@@ -174,9 +174,9 @@ fn find_courses(problem: &PatchProblem, body_loads: &[BodyLoad], courses: &mut V
 
 #[cfg(test)]
 mod tests {
-    use super::super::masonry::Masonry;
     use super::*;
     use crate::Memory;
+    use crate::patches::soft_step::masonry::Masonry;
 
     /// The budget of a wall of 8 courses that stands on so many courses that sleep.
     fn on(sleeping: u32) -> SweepBudget {

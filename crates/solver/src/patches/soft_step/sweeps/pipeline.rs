@@ -27,9 +27,11 @@ use crate::batches::Batches;
 use crate::grab::ActiveGrab;
 use crate::join::on_threads;
 use crate::lanes::{F32xN, Kernel, State};
-use crate::patches::soft_step::contact::block::{Block, Pass, Points};
+use crate::patches::soft_step::contact::block::{Block, Points};
 use crate::patches::soft_step::contact::kinds::{Rigid, Soft};
+use crate::patches::soft_step::contact::pass::Pass;
 use crate::patches::soft_step::grabs::places::EdgePlaces;
+use crate::patches::soft_step::island::Island;
 use crate::rounds::RoundEnds;
 use crate::sort;
 use smallvec::SmallVec;
@@ -385,6 +387,41 @@ impl<L: F32xN> Kernel for PipelinedSweeps<'_, '_, L> {
                 // The thread that it waits for may have no processor.
                 std::thread::yield_now();
             }
+        }
+    }
+}
+
+impl<L: F32xN> Island<L> {
+    /// The pipeline of the last step or a new one, if sweeps may follow each other and may be faster then.
+    pub fn take_pipeline(&mut self, problem: &PatchProblem) -> Option<Pipeline> {
+        let kept = self.pipeline.take();
+        let overlaps = is_worthwhile(problem.threads, self.bytes())
+            && self.fixed_bodies_rest
+            && self.joints.is_empty()
+            && self.spinners.is_empty();
+        overlaps.then(|| kept.unwrap_or_else(|| self.find_pipeline(problem)))
+    }
+
+    pub fn find_pipeline(&self, problem: &PatchProblem) -> Pipeline {
+        let places = &self.grab_places.places;
+        Pipeline::of(&self.batches, places, problem, self.round_ends.clone())
+    }
+
+    /// The size of all blocks and points.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.blocks) + size_of_val(&*self.points)
+    }
+
+    pub fn work(&mut self) -> Work<'_, L> {
+        Work {
+            blocks: &mut self.blocks,
+            points: &mut self.points,
+            velocities: &mut self.velocities,
+            before: &mut self.before,
+            motions: &mut self.motions,
+            grab_places: &self.grab_places.places,
+            grabs: &mut self.grabs,
+            fastest: self.fastest,
         }
     }
 }

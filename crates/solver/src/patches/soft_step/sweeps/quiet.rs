@@ -17,9 +17,10 @@
 //! Whether an island is quiet follows from its problem alone. The rate of sweeps, and with it the stiffness of springs, does not depend on
 //! it.
 
+use super::layout::fixed_bodies_rest;
 use crate::Both;
 use crate::lanes::{F32xN, State};
-use crate::patches::soft_step::contact::block::Pass;
+use crate::patches::soft_step::contact::pass::Pass;
 use crate::patches::soft_step::island::Island;
 use crate::{Body, PatchProblem};
 use std::ops::Range;
@@ -45,6 +46,7 @@ pub fn may_be_quiet(problem: &PatchProblem, bounces: bool) -> bool {
         && !bounces
         && !problem.patches.is_empty()
         && problem.has_only_contacts()
+        && fixed_bodies_rest(problem)
         && problem
             .bodies
             .iter()

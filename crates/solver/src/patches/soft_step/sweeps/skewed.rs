@@ -11,8 +11,8 @@
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, Kernel, State, cells};
-use crate::patches::soft_step::contact::block::Pass;
 use crate::patches::soft_step::contact::kinds::{Kinds, Mixed, Rigid, Soft};
+use crate::patches::soft_step::contact::pass::Pass;
 use crate::patches::soft_step::island::Island;
 use crate::sort;
 use std::cell::Cell;

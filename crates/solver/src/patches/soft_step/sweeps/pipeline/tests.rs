@@ -5,8 +5,9 @@ use crate::lanes::F32x4;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::F32x8;
 use crate::patches::PatchProblem;
-use crate::patches::soft_step::island::{Island, batches, skewed};
+use crate::patches::soft_step::island::Island;
 use crate::patches::soft_step::masonry::{Masonry, SUBSTEPS, placed, started};
+use crate::patches::soft_step::sweeps::layout::{batches, skewed};
 use std::time::Duration;
 
 /// The bits of all results of the sweeps.

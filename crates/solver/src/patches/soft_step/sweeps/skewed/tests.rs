@@ -4,8 +4,9 @@ use crate::lanes::F32x4;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::F32x8;
 use crate::lanes::F32xN;
-use crate::patches::soft_step::island::{Island, batches, skewed};
+use crate::patches::soft_step::island::Island;
 use crate::patches::soft_step::masonry::{Masonry, started};
+use crate::patches::soft_step::sweeps::layout::{batches, skewed};
 use glam::Vec3;
 
 /// All results of the sweeps, without the signs of zeros.

@@ -1,9 +1,9 @@
-use super::{batches, skewed};
 use crate::Memory;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::F32x8;
 use crate::lanes::{F32x4, F32xN};
 use crate::patches::soft_step::masonry::{Masonry, started};
+use crate::patches::soft_step::sweeps::layout::{batches, skewed};
 
 /// Compares the velocities after a step on a slope, with contacts relaxed one after another and in rounds. No contact carries anything yet.
 fn almost_equal<L: F32xN>() {

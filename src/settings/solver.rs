@@ -88,6 +88,7 @@ impl fmt::Debug for ContactSolver {
 }
 
 /// A solver by its kind.
+#[derive(Clone, Copy)]
 pub(crate) enum Method<'a> {
     Patches(&'a (dyn PatchSolver + 'static)),
     Points(&'a (dyn PointSolver + 'static)),

@@ -6,11 +6,12 @@
 //! whatever the solver. Statics knows no joints: islands with joints [are solved](super::patches::settle_joined) without being moved, and
 //! their joints get their forces too. Islands of a [saved scene](crate::saving) get none, because they have the forces that they had.
 
-use super::patches::{settle, settle_joined};
-use super::{Solve, SolveRows};
+use super::Solve;
+use super::patches::settle;
 use crate::joint_types::JointForces;
-use crate::solver::JointConstraint;
-use crate::warm_start::{GatherContext, Island, Joints, Pairs, PatchRows, ProblemSet, Stored};
+use crate::settings::Method;
+use crate::solver::{JointConstraint, SoftStep};
+use crate::warm_start::{GatherContext, Island, Joints, Pairs, ProblemSet, Stored};
 
 impl Solve<'_> {
     /// Loads the sleeping islands that bodies were added to in this step.
@@ -18,16 +19,18 @@ impl Solve<'_> {
         if !self.islands.any_arrives() {
             return;
         }
-        let mut problems = ProblemSet::<PatchRows>::default();
+        let mut problems = ProblemSet::default();
         let order = &mut problems.order;
         order.find(self.table, self.graph, self.islands, |island, _| {
             self.islands.arrives(island)
         });
+        // Statics takes patches, whatever the solver.
+        let patches = SoftStep::default();
         let (gravity, dt) = (self.context.gravity.0, self.context.time.dt);
         let (contacts, _) = order.contacts(pairs, (self.table, self.graph));
         for (number, &id) in order.numbered().iter().enumerate() {
             let mut island = Island::default();
-            island.begin(id, order.of(number), false);
+            island.begin(id, order.of(number), false, Method::Patches(&patches));
             for member in &order.of(number).bodies {
                 let body = self.table.get(member.slot);
                 let body = body.expect("a member is in the table");
@@ -64,17 +67,7 @@ impl Solve<'_> {
             }
             island.gather(contacts, &from);
             island.warm_start(contacts, self.context);
-            let Island {
-                rows,
-                bodies,
-                joints,
-                ..
-            } = island;
-            let is_settled = match joints.is_empty() {
-                true => settle(rows, bodies, self.context),
-                false => settle_joined(rows, bodies, joints, self.context),
-            };
-            island.diverged = !is_settled;
+            island.diverged = !settle(island, self.context);
         }
         drop(contacts);
         order.store_each(pairs, self.graph, None, |stored: Stored| {

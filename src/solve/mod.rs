@@ -17,9 +17,10 @@ mod arrivals;
 mod patches;
 mod points;
 mod reports;
+mod rows;
 mod store;
 
-pub(crate) use patches::{keep, settle};
+pub(crate) use patches::settle;
 
 use crate::body::{ActiveBodies, BodyTable, Velocity, limits};
 use crate::graph::{ConstraintGraph, Islands};
@@ -28,7 +29,7 @@ use crate::mortar::BrokenMortar;
 use crate::pair::{ContactImpulses, Manifold};
 use crate::profile::SolvePart;
 use crate::settings::{Columns, Method};
-use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport, join::join, sort};
+use crate::solver::{Body, join::join, sort};
 use crate::warm_start::{
     Grabs, Island, IslandProblems, Joints, LARGE, Pairs, ProblemSet, Rows, SolveContext,
 };
@@ -39,39 +40,6 @@ pub use reports::{IslandReport, ReportWriter, SolveReports};
 
 /// Maximum number of small islands that are solved together, so that their blocks stay in the cache.
 const TOGETHER: usize = 256;
-
-/// The contacts of an island, for one kind of solver.
-trait SolveRows: Rows {
-    type Solver: ?Sized + Sync;
-
-    /// Whether solvers of this kind take substeps of their own.
-    const SUBSTEPS: bool;
-
-    /// Solves an island with a multiple of the usual number of sweeps.
-    fn solve(
-        &mut self,
-        solver: &Self::Solver,
-        bodies: &mut [Body],
-        grabs: &mut [GrabConstraint],
-        joints: &mut [JointConstraint],
-        effort_and_context: (f32, &SolveContext),
-    ) -> SolveReport;
-
-    /// Returns true if an island with this many contacts is best solved together with others.
-    fn is_small(&self, contacts: usize) -> bool;
-
-    /// Solves several small islands without grabs and joints, with the usual effort.
-    fn solve_each(
-        solver: &Self::Solver,
-        islands: &mut [(&mut Self, &mut [Body])],
-        context: &SolveContext,
-    ) -> Vec<SolveReport>;
-
-    /// Writes the impulses of a contact to its pair. Returns false, and leaves the pair's impulses in an unspecified state, if its manifold
-    /// has other patches or points than those that were gathered.
-    fn store(&self, contact: usize, manifold: &Manifold, to: &mut ContactImpulses, dt: f32)
-    -> bool;
-}
 
 /// The system of the stage.
 pub fn solve(
@@ -105,18 +73,9 @@ pub fn solve(
     let Some(solver) = problems.prepared.take() else {
         return;
     };
-    match solver.method() {
-        Method::Points(solver) => {
-            let problems = &mut problems.by_points;
-            stage.run(solver, problems, &mut pairs, &mut bodies, acting);
-            reports.report(problems);
-        }
-        Method::Patches(solver) => {
-            let problems = &mut problems.by_patches;
-            stage.run(solver, problems, &mut pairs, &mut bodies, acting);
-            reports.report(problems);
-        }
-    }
+    let problems = &mut problems.set;
+    stage.run(solver.method(), problems, &mut pairs, &mut bodies, acting);
+    reports.report(problems);
 }
 
 /// Where the forces of grabs and joints are stored.
@@ -136,17 +95,17 @@ struct Solve<'a> {
 }
 
 impl Solve<'_> {
-    fn run<R: SolveRows>(
+    fn run(
         &self,
-        solver: &R::Solver,
-        problems: &mut ProblemSet<R>,
+        method: Method,
+        problems: &mut ProblemSet,
         pairs: &mut Pairs,
         bodies: &mut ActiveBodies,
         acting: &mut Acting,
     ) {
         let start = Instant::now();
         self.take_velocities(problems, bodies);
-        self.solve_each(solver, &mut problems.islands);
+        self.solve_each(method, &mut problems.islands);
         let solved = Instant::now();
         self.store(problems, pairs, bodies, acting);
         let profile = &self.context.profile;
@@ -155,7 +114,7 @@ impl Solve<'_> {
     }
 
     /// Takes the current velocities of the bodies from their components.
-    fn take_velocities<R: SolveRows>(&self, problems: &mut ProblemSet<R>, bodies: &ActiveBodies) {
+    fn take_velocities(&self, problems: &mut ProblemSet, bodies: &ActiveBodies) {
         let ProblemSet {
             order,
             islands,
@@ -200,28 +159,28 @@ impl Solve<'_> {
     }
 
     /// Solves every island that has a problem, in parallel if there is enough work.
-    fn solve_each<R: SolveRows>(&self, solver: &R::Solver, islands: &mut [Island<R>]) {
+    fn solve_each(&self, method: Method, islands: &mut [Island]) {
         let context = self.context;
         let points = islands.iter().map(Island::points).sum();
         let many = islands.len() > 1;
         let work = islands.iter_mut().filter(|island| island.is_solved());
-        let is_small = |island: &Island<R>| {
+        let is_small = |island: &Island| {
             let only_touches = island.grabs.is_empty() && island.joints.is_empty();
             let is_usual = only_touches && island.effort == 1.0;
             is_usual && island.rows.is_small(island.contacts())
         };
-        let solve = |island: &mut Island<R>| {
+        let solve = |island: &mut Island| {
             let (bodies, grabs) = (&mut island.bodies, &mut island.grabs);
             let joints = &mut island.joints;
             let with = (island.effort, context);
-            island.report = island.rows.solve(solver, bodies, grabs, joints, with);
+            island.report = island.rows.solve(method, bodies, grabs, joints, with);
             take_back_if_wrong(island);
         };
         let threads = &context.threads;
         if many {
-            let solve_small = |some: &mut [&mut Island<R>]| match some {
+            let solve_small = |some: &mut [&mut Island]| match some {
                 [island] => solve(island),
-                _ => solve_together(solver, some, context),
+                _ => solve_together(method, some, context),
             };
             if threads.runs_in_parallel(points) {
                 let (mut small, mut large): (Vec<_>, Vec<_>) =
@@ -252,15 +211,11 @@ impl Solve<'_> {
 }
 
 /// Solves several small islands.
-fn solve_together<R: SolveRows>(
-    solver: &R::Solver,
-    islands: &mut [&mut Island<R>],
-    context: &SolveContext,
-) {
+fn solve_together(method: Method, islands: &mut [&mut Island], context: &SolveContext) {
     let rows = islands.iter_mut();
     let rows = rows.map(|island| (&mut island.rows, &mut *island.bodies));
     let mut rows: Vec<_> = rows.collect();
-    let reports = R::solve_each(solver, &mut rows, context);
+    let reports = Rows::solve_each(method, &mut rows, context);
     for (island, report) in islands.iter_mut().zip(reports) {
         island.report = report;
         take_back_if_wrong(island);
@@ -268,7 +223,7 @@ fn solve_together<R: SolveRows>(
 }
 
 /// Restores an island whose solution is not finite or far too fast.
-fn take_back_if_wrong<R: SolveRows>(island: &mut Island<R>) {
+fn take_back_if_wrong(island: &mut Island) {
     island.diverged = !island.bodies.iter().all(is_sound);
     if island.diverged {
         for body in &mut island.bodies {

@@ -1,18 +1,14 @@
 //! Solving a problem of patches, and storing its impulses.
 
-use super::SolveRows;
 use crate::pair::{ContactImpulses, Impulse, Manifold, PatchImpulse};
 use crate::solver::{
     Body, FEW, GrabConstraint, JointConstraint, PatchConstraint, PatchPoint, PatchProblem,
     PatchSolver, SoftStep, SolveReport, patches,
 };
-use crate::warm_start::{LARGE, PatchRows, SolveContext};
+use crate::warm_start::{Island, LARGE, PatchRows, Rows, SolveContext};
 
-impl SolveRows for PatchRows {
-    type Solver = dyn PatchSolver;
-    const SUBSTEPS: bool = true;
-
-    fn solve(
+impl PatchRows {
+    pub(super) fn solve(
         &mut self,
         solver: &dyn PatchSolver,
         bodies: &mut [Body],
@@ -24,11 +20,11 @@ impl SolveRows for PatchRows {
         solver.solve(&mut PatchProblem { effort, ..problem })
     }
 
-    fn is_small(&self, contacts: usize) -> bool {
+    pub(super) fn is_small(&self, contacts: usize) -> bool {
         contacts < FEW && self.patches.len() < FEW
     }
 
-    fn solve_each(
+    pub(super) fn solve_each(
         solver: &dyn PatchSolver,
         islands: &mut [(&mut Self, &mut [Body])],
         context: &SolveContext,
@@ -40,7 +36,7 @@ impl SolveRows for PatchRows {
         solver.solve_each(&mut problems)
     }
 
-    fn store(
+    pub(super) fn store(
         &self,
         contact: usize,
         manifold: &Manifold,
@@ -65,42 +61,37 @@ impl SolveRows for PatchRows {
     }
 }
 
-/// Computes the static loads of the contacts instead of a solve, and sets the impulses of the step to these loads over the whole step.
-/// Returns false if a result is not finite.
-pub(crate) fn settle(rows: &mut PatchRows, bodies: &mut [Body], context: &SolveContext) -> bool {
-    patches::settle(&mut problem(rows, bodies, &mut [], &mut [], context));
-    keep_for_step(rows, context)
-}
-
-/// Writes the impulses of a contact of an island that was [settled](settle) to its pair.
-pub(crate) fn keep(
-    rows: &PatchRows,
-    contact: usize,
-    manifold: &Manifold,
-    to: &mut ContactImpulses,
-    context: &SolveContext,
-) {
-    rows.store(contact, manifold, to, context.time.dt);
+/// Computes static loads of the contacts and joints of an island instead of a solve, and sets the impulses of the step to these loads over
+/// the whole step. Returns false if a result is not finite.
+pub(crate) fn settle(island: &mut Island, context: &SolveContext) -> bool {
+    let Rows::Patches(rows) = &mut island.rows else {
+        return false;
+    };
+    let (bodies, joints) = (&mut island.bodies, &mut island.joints);
+    if joints.is_empty() {
+        patches::settle(&mut problem(rows, bodies, &mut [], &mut [], context));
+    } else {
+        settle_joined(rows, bodies, joints, context);
+    }
+    let finite = |joint: &JointConstraint| joint.forces.iter().all(|force| force.is_finite());
+    joints.iter().all(finite) && keep_for_step(rows, context)
 }
 
 /// Number of solves in which the loads of an island with joints settle. A table has them after the first.
 const SOLVES: usize = 60;
 
 /// Solves an island with joints again and again without moving it, until contacts and joints bear it, whatever the solver of awake islands.
-/// Returns false if a result is not finite.
-pub(super) fn settle_joined(
+fn settle_joined(
     rows: &mut PatchRows,
     bodies: &mut [Body],
     joints: &mut [JointConstraint],
     context: &SolveContext,
-) -> bool {
+) {
     let start = bodies.to_vec();
     for _ in 0..SOLVES {
         bodies.copy_from_slice(&start);
         SoftStep::default().solve(&mut problem(rows, bodies, &mut [], joints, context));
     }
-    let finite = |joint: &JointConstraint| joint.forces.iter().all(|force| force.is_finite());
-    joints.iter().all(finite) && keep_for_step(rows, context)
 }
 
 /// Sets the impulses of all substeps, because later substeps leave these contacts as they are. Returns false if one is not finite.

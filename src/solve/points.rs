@@ -1,17 +1,13 @@
 //! Solving a problem of points, and storing its impulses.
 
-use super::SolveRows;
 use crate::pair::{ContactImpulses, Impulse, Lists, Manifold, PatchImpulse, PointFriction, fit};
 use crate::solver::{
     Body, GrabConstraint, JointConstraint, PointProblem, PointSolver, SolveReport,
 };
 use crate::warm_start::{PointRows, SolveContext};
 
-impl SolveRows for PointRows {
-    type Solver = dyn PointSolver;
-    const SUBSTEPS: bool = false;
-
-    fn solve(
+impl PointRows {
+    pub(super) fn solve(
         &mut self,
         solver: &dyn PointSolver,
         bodies: &mut [Body],
@@ -43,22 +39,7 @@ impl SolveRows for PointRows {
         report
     }
 
-    fn is_small(&self, _: usize) -> bool {
-        false
-    }
-
-    fn solve_each(
-        solver: &Self::Solver,
-        islands: &mut [(&mut Self, &mut [Body])],
-        context: &SolveContext,
-    ) -> Vec<SolveReport> {
-        let islands = islands.iter_mut();
-        islands
-            .map(|(rows, bodies)| rows.solve(solver, bodies, &mut [], &mut [], (1.0, context)))
-            .collect()
-    }
-
-    fn store(
+    pub(super) fn store(
         &self,
         contact: usize,
         manifold: &Manifold,

@@ -1,6 +1,5 @@
 //! Reports of the solves of a step.
 
-use super::SolveRows;
 use crate::diagnosis::{BodyProblem, Suspects, Told};
 use crate::solver::SolveReport;
 use crate::warm_start::{Island, ProblemSet};
@@ -41,7 +40,7 @@ pub struct ReportWriter<'w> {
 
 impl ReportWriter<'_> {
     /// Reports each solved island. When an island begins to diverge, its first body is reported as a problem.
-    pub(super) fn report<R: SolveRows>(&mut self, problems: &ProblemSet<R>) {
+    pub(super) fn report(&mut self, problems: &ProblemSet) {
         let ProblemSet { islands, order, .. } = problems;
         let touching = islands.iter().filter(|island| island.points() > 0);
         self.reports.0.clear();
@@ -60,7 +59,7 @@ impl ReportWriter<'_> {
     }
 }
 
-fn report<R: SolveRows>(island: &Island<R>) -> IslandReport {
+fn report(island: &Island) -> IslandReport {
     IslandReport {
         bodies: island.bodies.len(),
         contacts: island.points(),

@@ -1,20 +1,20 @@
 //! Storing the results of a solve in the components of bodies, pairs and grabs, which are found by their entities.
 
-use super::{Acting, Solve, SolveRows};
+use super::{Acting, Solve};
 use crate::body::{ActiveBodies, GrabForce, Motion, SpawnOrder, Velocity, limits};
 use crate::joint::JointBroke;
 use crate::joint_types::JointForces;
 use crate::mortar::MortarBroke;
 use crate::pair::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::solver::{Both, GrabConstraint, groups::Groups, sort};
-use crate::warm_start::{Grabs, Island, LARGE, Pairs, ProblemSet, Stored};
+use crate::warm_start::{Grabs, Island, LARGE, Pairs, ProblemSet, Rows, Stored};
 use bevy_ecs::change_detection::DetectChangesMut;
 use glam::Vec3;
 
 impl Solve<'_> {
-    pub(super) fn store<R: SolveRows>(
+    pub(super) fn store(
         &self,
-        problems: &mut ProblemSet<R>,
+        problems: &mut ProblemSet,
         pairs: &mut Pairs,
         bodies: &mut ActiveBodies,
         acting: &mut Acting,
@@ -29,7 +29,7 @@ impl Solve<'_> {
         }
     }
 
-    fn store_impulses<R: SolveRows>(&self, problems: &mut ProblemSet<R>, pairs: &mut Pairs) {
+    fn store_impulses(&self, problems: &mut ProblemSet, pairs: &mut Pairs) {
         let dt = self.context.time.dt;
         let ProblemSet { order, islands, .. } = problems;
         let points: usize = islands.iter().map(Island::points).sum();
@@ -53,7 +53,7 @@ impl Solve<'_> {
     }
 
     /// Stores the velocities and motions of awake bodies.
-    fn store_bodies<R: SolveRows>(&self, problems: &ProblemSet<R>, bodies: &mut ActiveBodies) {
+    fn store_bodies(&self, problems: &ProblemSet, bodies: &mut ActiveBodies) {
         let fall = self.context.gravity.0.length() * self.context.time.dt;
         for of in bodies {
             let (entity, index) = (of.entity, of.index);
@@ -67,7 +67,9 @@ impl Solve<'_> {
             };
             let island = self.islands.of(index.0);
             let island = island.and_then(|island| problems.islands.get(island));
-            let Some(solved) = island.and_then(|island| island.bodies.get(local as usize)) else {
+            let solved =
+                island.and_then(|island| Some((island, island.bodies.get(local as usize)?)));
+            let Some((island, solved)) = solved else {
                 continue;
             };
             let mut end = clean([solved.linear, solved.angular]);
@@ -83,7 +85,7 @@ impl Solve<'_> {
                         false => Motion::Mean { mean, end },
                     }
                 }
-                None if R::SUBSTEPS => {
+                None if matches!(island.rows, Rows::Patches(_)) => {
                     let mut start = body.velocity;
                     body.properties.restrain(&mut start);
                     let gained = end.linear - start.linear;
@@ -98,7 +100,7 @@ impl Solve<'_> {
 
     /// Stores the forces of joints, and finds those that break. A joint that breaks relieves those that it is connected with, so of these
     /// only the one that is loaded most breaks. The others get another step.
-    fn store_joints<R: SolveRows>(&self, problems: &ProblemSet<R>, acting: &mut Acting) {
+    fn store_joints(&self, problems: &ProblemSet, acting: &mut Acting) {
         let mut overloaded: Vec<Overloaded> = Vec::new();
         for gathered in &problems.joints.gathered {
             let Some(island) = problems.islands.get(gathered.island as usize) else {
@@ -152,7 +154,7 @@ struct Overloaded {
 }
 
 /// Keeps one overloaded joint of each group of bodies that joints connect: the one that is loaded most.
-fn keep_most_loaded<R: SolveRows>(overloaded: &mut Vec<Overloaded>, problems: &ProblemSet<R>) {
+fn keep_most_loaded(overloaded: &mut Vec<Overloaded>, problems: &ProblemSet) {
     if overloaded.len() < 2 {
         return;
     }
@@ -191,7 +193,7 @@ fn keep_most_loaded<R: SolveRows>(overloaded: &mut Vec<Overloaded>, problems: &P
 }
 
 /// Stores the forces of grabs.
-fn store_grabs<R: SolveRows>(problems: &ProblemSet<R>, grabs: &mut Grabs) {
+fn store_grabs(problems: &ProblemSet, grabs: &mut Grabs) {
     for held in &problems.held {
         let mut solved = problems.islands[held.island].grabs.iter();
         if let Some(grab) = solved.find(|grab| grab.body == held.local)

@@ -1,35 +1,12 @@
 //! The problem of one island: its bodies, contacts, joints and grabs.
 
 use super::backing::find_backed;
-use super::{IslandOrder, SolveContext, SolverContact};
+use super::{IslandOrder, Rows, SolveContext, SolverContact};
 use crate::body::{BodyState, BodyTable, Velocity};
 use crate::revision::Revision;
+use crate::settings::Method;
 use crate::solver::{Body, Both, GrabConstraint, JointConstraint, SolveReport};
 use bevy_platform::collections::HashMap;
-
-/// The contacts of an island in the form that a kind of solver needs: points or patches.
-pub(crate) trait Rows: Default + Send + Sync {
-    fn clear(&mut self);
-
-    /// Number of contact points.
-    fn points(&self) -> usize;
-
-    /// Takes the contacts of an island, between bodies at `ends`. Impulses are still forces, N. If the rows hold those of the last step,
-    /// which were of the same pairs between the same bodies, unchanged rows may be kept.
-    fn refresh(
-        &mut self,
-        contacts: &[SolverContact],
-        ends: &[[u32; 2]],
-        bodies: &[Body],
-        context: &SolveContext,
-    );
-
-    /// Sets the impulses that contacts start from.
-    fn warm_start(&mut self, contacts: &[SolverContact], context: &SolveContext);
-
-    /// The sum of the normal impulses that a contact starts from, N·s.
-    fn start_impulse(&self, contact: usize) -> f32;
-}
 
 /// The data from which islands are gathered.
 pub(crate) struct GatherContext<'a> {
@@ -55,7 +32,7 @@ impl GatherContext<'_> {
 
 /// The problem of one island.
 #[derive(Default)]
-pub(crate) struct Island<R> {
+pub(crate) struct Island {
     /// The awake dynamic bodies, followed by copies of the static and kinematic bodies that they touch, and of dynamic bodies that
     /// [dominate](crate::body::Dominance) others.
     pub bodies: Vec<Body>,
@@ -78,7 +55,7 @@ pub(crate) struct Island<R> {
     pub joints: Vec<JointConstraint>,
     /// Slots of the bodies of each joint.
     pub joint_slots: Vec<[u32; 2]>,
-    pub rows: R,
+    pub rows: Rows,
     pub report: SolveReport,
     /// The largest [`SolverEffort`](crate::body::SolverEffort) of its dynamic bodies.
     pub effort: f32,
@@ -94,7 +71,7 @@ pub(crate) struct Island<R> {
     pub in_order: usize,
 }
 
-impl<R: Rows> Island<R> {
+impl Island {
     pub fn points(&self) -> usize {
         self.rows.points()
     }
@@ -115,11 +92,12 @@ impl<R: Rows> Island<R> {
 
     /// Begins a step with the order of an island, or only those of its contacts that still exist. Data of the last step is kept if the
     /// order is the same.
-    pub fn begin(&mut self, id: u32, order: &IslandOrder, complete: bool) {
+    pub fn begin(&mut self, id: u32, order: &IslandOrder, complete: bool, method: Method) {
         let derived_from = complete.then_some(order.revision);
         if !complete || self.derived_from != derived_from {
             self.reset();
         }
+        self.rows.suit(method);
         self.id = Some(id);
         self.derived_from = derived_from;
         self.in_order = order.contacts();

@@ -3,7 +3,7 @@
 //! Joints are the links of their kind in the constraint graph between bodies that are solved. Each is identified by its entity and the
 //! number of its edge. They are solved in the order of their bodies, those between the same bodies in spawn order.
 
-use super::{Order, ProblemSet, Rows};
+use super::{Order, ProblemSet};
 use crate::body::BodyTable;
 use crate::graph::{ConstraintGraph, EdgeKind, Islands};
 use crate::joint_types::{BreakForce, JointEdge, JointForces};
@@ -104,7 +104,7 @@ impl JointOrder {
     }
 }
 
-impl<R: Rows> ProblemSet<R> {
+impl ProblemSet {
     /// Gathers the joints of awake islands.
     pub(crate) fn gather_joints(
         &mut self,

@@ -23,13 +23,14 @@ mod order;
 mod patches;
 mod points;
 mod problems;
+mod rows;
 
 use crate::body::{BodyIndex, BodyTable, Grab, GrabForce, Inactive, Simulated};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::pair::{MovingSurfaces, PairsMut};
 use crate::profile::{Profile, SolvePart};
 use crate::settings::{
-    Columns, Gravity, Method, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits,
+    Columns, Gravity, PhysicsThreads, SleepSettings, SolverSettings, SpeedLimits,
     StabilizationSettings, StepTime,
 };
 use crate::solver::sort;
@@ -38,13 +39,14 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_platform::time::Instant;
 pub(crate) use contact::SolverContact;
-pub(crate) use island::{GatherContext, Island, Rows};
+pub(crate) use island::{GatherContext, Island};
 pub(crate) use joints::{JointOrder, Joints};
 pub(crate) use order::{IslandOrder, Member, Order, Stored};
 pub(crate) use patches::PatchRows;
 pub(crate) use points::PointRows;
 pub(crate) use problems::{GrabbedBody, ProblemSet};
 pub use problems::{IslandProblem, IslandProblems};
+pub(crate) use rows::Rows;
 
 /// The settings and the time with which islands are gathered and solved.
 #[derive(SystemParam, Debug)]
@@ -128,17 +130,7 @@ pub fn warm_start(
         islands: &islands,
         context: &context,
     };
-    let problems = &mut *problems;
-    match context.solver.solver.method() {
-        Method::Points(_) => {
-            problems.by_patches.order.forget();
-            stage.run(&mut problems.by_points, &mut pairs, (&grabs, &joints));
-        }
-        Method::Patches(_) => {
-            problems.by_points.order.forget();
-            stage.run(&mut problems.by_patches, &mut pairs, (&grabs, &joints));
-        }
-    }
+    stage.run(&mut problems.set, &mut pairs, (&grabs, &joints));
     problems.prepared = Some(context.solver.solver.clone());
 }
 
@@ -151,9 +143,9 @@ struct WarmStart<'a> {
 }
 
 impl WarmStart<'_> {
-    fn run<R: Rows>(
+    fn run(
         &self,
-        problems: &mut ProblemSet<R>,
+        problems: &mut ProblemSet,
         pairs: &mut Pairs,
         (grabs, joints): (&Grabs, &Joints),
     ) {
@@ -190,11 +182,12 @@ impl WarmStart<'_> {
     }
 
     /// Gathers the dynamic bodies of each awake island.
-    fn gather_bodies<R: Rows>(&self, problems: &mut ProblemSet<R>, complete: bool) {
+    fn gather_bodies(&self, problems: &mut ProblemSet, complete: bool) {
         let ProblemSet { order, islands, .. } = problems;
-        let gather = |(number, island): (usize, &mut Island<R>)| {
+        let method = self.context.solver.solver.method();
+        let gather = |(number, island): (usize, &mut Island)| {
             let order_of_it = order.of(number);
-            island.begin(order.numbered()[number], order_of_it, complete);
+            island.begin(order.numbered()[number], order_of_it, complete, method);
             for member in &order_of_it.bodies {
                 let body = self.table.get(member.slot);
                 let body = body.expect("a member is in the table");
@@ -213,7 +206,7 @@ impl WarmStart<'_> {
     }
 
     /// Gathers the grabs on awake bodies, in the order of the bodies.
-    fn gather_grabs<R: Rows>(&self, problems: &mut ProblemSet<R>, grabs: &Grabs) {
+    fn gather_grabs(&self, problems: &mut ProblemSet, grabs: &Grabs) {
         let ProblemSet {
             order,
             islands,
@@ -244,12 +237,12 @@ impl WarmStart<'_> {
     }
 
     /// Calls a function with every island that has a problem, and its contacts; in parallel if there are enough points.
-    fn each<R: Rows>(
+    fn each(
         &self,
-        islands: &mut [Island<R>],
+        islands: &mut [Island],
         contacts: &[SolverContact],
         points: usize,
-        work: impl Fn(&mut Island<R>, &[SolverContact]) + Sync,
+        work: impl Fn(&mut Island, &[SolverContact]) + Sync,
     ) {
         let many = islands.len() > 1;
         let mut rest = contacts;

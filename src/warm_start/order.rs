@@ -170,7 +170,7 @@ impl Order {
     }
 
     /// Discards the order, because other code has solved the islands.
-    pub fn forget(&mut self) {
+    fn forget(&mut self) {
         self.derived_from = None;
     }
 

@@ -1,11 +1,11 @@
 //! The contacts of an island for patch solvers, from manifolds, slips and the impulses of the last step.
 
 use super::contact::start_impulse;
-use super::{Rows, SolveContext, SolverContact};
+use super::{SolveContext, SolverContact};
 use crate::body::make_room;
 use crate::pair::{ContactPoint, Impulse, ManifoldPatch};
 use crate::settings::StepTime;
-use crate::solver::{Body, Memory, PatchConstraint, PatchPoint, Slip};
+use crate::solver::{Memory, PatchConstraint, PatchPoint, Slip};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -24,8 +24,8 @@ pub(crate) struct PatchRows {
     pub surfaces: Vec<(u32, Vec3)>,
 }
 
-impl Rows for PatchRows {
-    fn clear(&mut self) {
+impl PatchRows {
+    pub fn clear(&mut self) {
         self.patches.clear();
         self.points.clear();
         self.firsts.clear();
@@ -34,15 +34,10 @@ impl Rows for PatchRows {
         self.memory.renew();
     }
 
-    fn points(&self) -> usize {
-        self.points.len()
-    }
-
-    fn refresh(
+    pub fn refresh(
         &mut self,
         contacts: &[SolverContact],
         ends: &[[u32; 2]],
-        _: &[Body],
         context: &SolveContext,
     ) {
         let ideal = context.stabilization.rest_distance();
@@ -53,7 +48,7 @@ impl Rows for PatchRows {
         self.find_surfaces(contacts, context);
     }
 
-    fn warm_start(&mut self, _: &[SolverContact], context: &SolveContext) {
+    pub fn warm_start(&mut self, context: &SolveContext) {
         let time = &*context.time;
         self.dt = time.dt;
         for (patch, &curved) in self.patches.iter_mut().zip(&self.curved) {
@@ -61,14 +56,12 @@ impl Rows for PatchRows {
         }
     }
 
-    fn start_impulse(&self, contact: usize) -> f32 {
+    pub fn start_impulse(&self, contact: usize) -> f32 {
         let patches = &self.patches[self.patches_of(contact)];
         let points = patches.iter().flat_map(|patch| &self.points[patch.range()]);
         points.map(|point| point.normal_impulse).sum()
     }
-}
 
-impl PatchRows {
     /// Finds the patches whose surfaces move.
     fn find_surfaces(&mut self, contacts: &[SolverContact], context: &SolveContext) {
         self.surfaces.clear();

@@ -1,6 +1,6 @@
 //! The contacts of an island for point solvers, from manifolds, targets and the impulses of the last step.
 
-use super::{Rows, SolveContext, SolverContact};
+use super::{SolveContext, SolverContact};
 use crate::settings::Columns;
 use crate::solver::{Body, PatchFrame, PointConstraint, PointInput};
 use glam::Vec3;
@@ -16,17 +16,13 @@ pub(crate) struct PointRows {
     firsts: Vec<u32>,
 }
 
-impl Rows for PointRows {
-    fn clear(&mut self) {
+impl PointRows {
+    pub fn clear(&mut self) {
         self.constraints.clear();
         self.firsts.clear();
     }
 
-    fn points(&self) -> usize {
-        self.constraints.len()
-    }
-
-    fn refresh(
+    pub fn refresh(
         &mut self,
         contacts: &[SolverContact],
         ends: &[[u32; 2]],
@@ -62,7 +58,7 @@ impl Rows for PointRows {
         }
     }
 
-    fn warm_start(&mut self, contacts: &[SolverContact], context: &SolveContext) {
+    pub fn warm_start(&mut self, contacts: &[SolverContact], context: &SolveContext) {
         let time = &*context.time;
         let mut constraints = self.constraints.iter_mut();
         for contact in contacts {
@@ -79,13 +75,11 @@ impl Rows for PointRows {
         }
     }
 
-    fn start_impulse(&self, contact: usize) -> f32 {
+    pub fn start_impulse(&self, contact: usize) -> f32 {
         let points = &self.constraints[self.points_of(contact)];
         points.iter().map(|point| point.impulse.x).sum()
     }
-}
 
-impl PointRows {
     /// The points of a contact.
     pub fn points_of(&self, contact: usize) -> Range<usize> {
         let end = self.firsts.get(contact + 1).copied();

@@ -1,6 +1,6 @@
 //! The resource with the problems of the awake islands.
 
-use super::{Island, JointOrder, Member, Order, PatchRows, PointRows, Rows};
+use super::{Island, JointOrder, Member, Order};
 use crate::body::Velocity;
 use crate::settings::ContactSolver;
 use bevy_ecs::prelude::*;
@@ -11,8 +11,7 @@ use std::fmt;
 /// An island has a problem if some of its bodies touch something, are joined or are held.
 #[derive(Resource, Default)]
 pub struct IslandProblems {
-    pub(crate) by_points: ProblemSet<PointRows>,
-    pub(crate) by_patches: ProblemSet<PatchRows>,
+    pub(crate) set: ProblemSet,
     /// The solver that they are prepared for; `None` if there is nothing to solve.
     pub(crate) prepared: Option<ContactSolver>,
 }
@@ -24,11 +23,11 @@ impl fmt::Debug for IslandProblems {
     }
 }
 
-/// The problems for one kind of solver. Their memory and unchanged parts are kept from step to step.
+/// The problems of the islands. Their memory and unchanged parts are kept from step to step.
 #[derive(Default)]
-pub(crate) struct ProblemSet<R> {
+pub(crate) struct ProblemSet {
     pub order: Order,
-    pub islands: Vec<Island<R>>,
+    pub islands: Vec<Island>,
     pub joints: JointOrder,
     /// Scratch of *solve*: slots and velocities of the bodies that are in no problem.
     pub outside: Vec<(u32, Velocity)>,
@@ -58,15 +57,12 @@ impl IslandProblems {
 
     /// The problem of each island, in the order of [`Islands`](crate::graph::Islands).
     pub fn iter(&self) -> impl Iterator<Item = IslandProblem<'_>> {
-        let solver = self.prepared.as_ref();
-        let points = solver.is_some_and(ContactSolver::is_point_solver);
-        let patches = solver.is_some() && !points;
-        let by_points = self.by_points.iter().filter(move |_| points);
-        by_points.chain(self.by_patches.iter().filter(move |_| patches))
+        let is_prepared = self.prepared.is_some();
+        self.set.iter().filter(move |_| is_prepared)
     }
 }
 
-impl<R: Rows> ProblemSet<R> {
+impl ProblemSet {
     /// Moves the problem of each island to the island's number. Numbers without a problem get an empty one, or one of an island that is
     /// gone.
     pub fn arrange(&mut self) {
@@ -78,7 +74,7 @@ impl<R: Rows> ProblemSet<R> {
         }
         let count = islands.len().max(numbered.len());
         islands.resize_with(count, Island::default);
-        let known = |island: &Island<R>| order.number(island.id?);
+        let known = |island: &Island| order.number(island.id?);
         let mut places: Vec<u32> = islands
             .iter()
             .map(|island| known(island).unwrap_or(u32::MAX))
@@ -98,7 +94,7 @@ impl<R: Rows> ProblemSet<R> {
     }
 
     fn iter(&self) -> impl Iterator<Item = IslandProblem<'_>> {
-        let of_contacts = |island: &&Island<R>| island.is_solved();
+        let of_contacts = |island: &&Island| island.is_solved();
         let islands = self.islands.iter().enumerate();
         let islands = islands.filter(move |(_, island)| of_contacts(island));
         islands.map(|(number, island)| {

@@ -2,8 +2,8 @@
 
 use super::contacts::{Found, Structure};
 use crate::body::BodyTable;
-use crate::solve::{keep, settle};
-use crate::warm_start::{GatherContext, Island, PatchRows, SolveContext, SolverContact};
+use crate::solve::settle;
+use crate::warm_start::{GatherContext, Island, SolveContext, SolverContact};
 
 /// Gives the contacts of all structures of a group the forces that keep these still. `local` is the index of each body in its structure, by
 /// slot.
@@ -34,11 +34,13 @@ pub(super) fn load(group: &mut Found, table: &BodyTable, local: &[u32], context:
         island.gather(&gathered, &from);
         island.warm_start(&gathered, context);
         drop(gathered);
-        if settle(&mut island.rows, &mut island.bodies, context) {
+        if settle(&mut island, context) {
             for (number, &contact) in structure.contacts.iter().enumerate() {
                 let contact = &mut contacts[contact as usize];
                 let (manifold, _, impulses, ..) = &mut contact.parts;
-                keep(&island.rows, number, manifold, impulses, context);
+                island
+                    .rows
+                    .store(number, manifold, impulses, context.time.dt);
                 let touches = contact.pair.touching || impulses.normal() > 0.0;
                 contact.pair.rest(touches);
             }
@@ -47,7 +49,7 @@ pub(super) fn load(group: &mut Found, table: &BodyTable, local: &[u32], context:
 }
 
 /// The bodies of a structure, with the velocities that forces give them in the step.
-fn gather(structure: &Structure, table: &BodyTable, context: &SolveContext) -> Island<PatchRows> {
+fn gather(structure: &Structure, table: &BodyTable, context: &SolveContext) -> Island {
     let (gravity, dt) = (context.gravity.0, context.time.dt);
     let mut island = Island::default();
     for &(slot, level) in &structure.members {

@@ -2,8 +2,8 @@
 
 use crate::pair::{ContactImpulses, Impulse, Manifold, PatchImpulse};
 use crate::solver::{
-    Body, FEW, GrabConstraint, JointConstraint, PatchConstraint, PatchPoint, PatchProblem,
-    PatchSolver, SoftStep, SolveReport, patches,
+    Body, GrabConstraint, JointConstraint, PatchConstraint, PatchPoint, PatchProblem, PatchSolver,
+    SMALL_ISLAND_PATCHES, SoftStep, SolveReport, patches,
 };
 use crate::warm_start::{Island, LARGE, PatchRows, Rows, SolveContext};
 
@@ -21,7 +21,7 @@ impl PatchRows {
     }
 
     pub(super) fn is_small(&self, contacts: usize) -> bool {
-        contacts < FEW && self.patches.len() < FEW
+        contacts < SMALL_ISLAND_PATCHES && self.patches.len() < SMALL_ISLAND_PATCHES
     }
 
     pub(super) fn solve_each(

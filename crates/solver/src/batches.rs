@@ -25,24 +25,24 @@ pub struct Batches {
     laps: usize,
     /// Number of lanes of a lap.
     share: usize,
-    /// By block and lane: the contact there, or [`NONE`].
+    /// By block and lane: the contact there, or [`NO_CONTACT`].
     slots: Vec<u32>,
     contacts: usize,
     rounds: Rounds,
 }
 
 /// The slot of a lane without a contact.
-const NONE: u32 = u32::MAX;
+const NO_CONTACT: u32 = u32::MAX;
 
 /// A sequence of blocks is skewed if its sweeps then take less than this share of the time.
-const WORTH: f32 = 0.85;
+const SKEWED_TIME_SHARE: f32 = 0.85;
 
 /// Relative time of a visit to a block whose lanes are full and in different sweeps, compared with a block with one to half as many lanes
 /// in one sweep: in a wall of 10 × 10 140 ns instead of 111.
-const MIXED: f32 = 1.3;
+const MIXED_LANES_COST: f32 = 1.3;
 
 /// Typical number of sweeps in a step.
-const SWEEPS: usize = 16;
+const TYPICAL_SWEEPS: usize = 16;
 
 impl Batches {
     /// Sorts contacts between these pairs of bodies, in the order of the sweep, into blocks of `lanes` lanes.
@@ -76,8 +76,10 @@ impl Batches {
             return whole;
         }
         let fewest = pairs.len().div_ceil(lanes);
-        let time = |blocks: usize, laps: usize| (blocks * (SWEEPS + laps - 1)) as f32 * MIXED;
-        let mut least = WORTH * (whole.blocks() * SWEEPS) as f32;
+        let time = |blocks: usize, laps: usize| {
+            (blocks * (TYPICAL_SWEEPS + laps - 1)) as f32 * MIXED_LANES_COST
+        };
+        let mut least = SKEWED_TIME_SHARE * (whole.blocks() * TYPICAL_SWEEPS) as f32;
         if time(fewest.max(2), 2) > least {
             return whole;
         }
@@ -121,7 +123,7 @@ impl Batches {
                 let block = with_room(&mut next, free.max(floor));
                 if block as usize == filled.len() {
                     filled.push(0);
-                    slots.resize(slots.len() + lanes, NONE);
+                    slots.resize(slots.len() + lanes, NO_CONTACT);
                     next.push(block);
                 }
                 let fill = &mut filled[block as usize];
@@ -169,7 +171,7 @@ impl Batches {
 
     /// Cuts the sequence into laps of `blocks` blocks, side by side in `lanes` lanes.
     fn skew(&self, lanes: usize, blocks: usize) -> Self {
-        let mut slots = vec![NONE; blocks * lanes];
+        let mut slots = vec![NO_CONTACT; blocks * lanes];
         for (number, narrow) in self.slots.chunks_exact(self.lanes).enumerate() {
             let (lap, block) = (number / blocks, number % blocks);
             slots[block * lanes + lap * self.lanes..][..self.lanes].copy_from_slice(narrow);
@@ -262,7 +264,7 @@ impl Iterator for Contacts<'_> {
         while let Some(&contact) = self.slots.get(self.lane) {
             let lane = self.lane;
             self.lane += 1;
-            if contact != NONE {
+            if contact != NO_CONTACT {
                 return Some((lane, contact));
             }
         }

@@ -43,7 +43,8 @@ pub use joint::{
     COORDINATES, JointAxis, JointConstraint, JointMotor, MortarFailure, Section, Utilization,
 };
 pub use patches::{
-    FEW, Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, Settling, Slip, SoftStep,
+    Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SMALL_ISLAND_PATCHES, Settling,
+    Slip, SoftStep,
 };
 pub use points::{
     Direction, FrictionCone, Grouping, Nncg, PatchFrame, Pgs, PointConstraint, PointInput,

@@ -164,7 +164,7 @@ impl JointAxis {
 }
 
 impl JointConstraint {
-    /// What acts on a coordinate: the axes, the distance, the swing.
+    /// The forces on a coordinate: those of the axes, the distance, the swing.
     pub(super) fn axis(&self, coordinate: usize) -> &JointAxis {
         let apart = if coordinate == SWING {
             &self.swing

@@ -11,10 +11,10 @@ use std::cell::Cell;
 
 /// The share of an error of position that is corrected in the longest of recent steps. A short one corrects less: it would give the error
 /// of a long one a speed that the next long one follows.
-const SHARE: f32 = 0.2;
+const CORRECTED_SHARE: f32 = 0.2;
 
 /// Fastest correction, m/s and rad/s.
-const FASTEST: f32 = 2.0;
+const MAX_CORRECTION: f32 = 2.0;
 
 /// A joint during a step.
 #[derive(Clone, Debug)]
@@ -50,8 +50,8 @@ impl PlainJoint {
         let times = Times {
             h,
             left: longest,
-            bias_rate: SHARE / longest,
-            fastest: FASTEST,
+            bias_rate: CORRECTED_SHARE / longest,
+            fastest: MAX_CORRECTION,
         };
         let mut left = joint.forces.map(|force| h * force);
         let kinds: Vec<(usize, Part)> = rows_of(joint).collect();

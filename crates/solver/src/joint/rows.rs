@@ -17,7 +17,7 @@ pub fn is_angular(coordinate: usize) -> bool {
     (3..6).contains(&coordinate) || coordinate == SWING
 }
 
-/// What a row does.
+/// The part of an axis that a row acts for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// Holds the coordinate between its limits.
@@ -43,7 +43,7 @@ pub fn rows_of(joint: &JointConstraint) -> impl Iterator<Item = (usize, Part)> +
     })
 }
 
-/// What a row asks for in a substep.
+/// The demand of a row in a substep.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Law {
     /// The wanted rate, m/s or rad/s; in a rigid sweep, `rigid`.

@@ -17,7 +17,7 @@ pub use soft_step::SoftStep;
 pub use soft_step::settle;
 
 /// Islands of fewer patches than this are solved together.
-pub const FEW: usize = 4;
+pub const SMALL_ISLAND_PATCHES: usize = 4;
 
 /// A method that finds the impulses of patches. Must be deterministic; islands are solved side by side.
 pub trait PatchSolver: Send + Sync {
@@ -32,7 +32,8 @@ pub trait PatchSolver: Send + Sync {
     /// Finds impulses, velocities and motions.
     fn solve(&self, problem: &mut PatchProblem) -> SolveReport;
 
-    /// Solves several problems of [few](FEW) patches each, without grabs. The result of each must be that of [`Self::solve`].
+    /// Solves several problems of [few](SMALL_ISLAND_PATCHES) patches each, without grabs. The result of each must be that of
+    /// [`Self::solve`].
     fn solve_each(&self, problems: &mut [PatchProblem]) -> Vec<SolveReport> {
         problems
             .iter_mut()

@@ -13,10 +13,10 @@ use crate::{Body, PatchPoint, PatchProblem};
 use glam::{DVec3, Vec3};
 
 /// Upper bound of visits to all points of a group.
-const VISITS: usize = 50;
+const MAX_VISITS: usize = 50;
 
 /// Visits end when none has changed a velocity by more than this share of the fastest bounce.
-const SETTLED: f32 = 1e-6;
+const SETTLED_SHARE: f32 = 1e-6;
 
 /// Points that may bounce.
 pub struct Bounces {
@@ -178,14 +178,14 @@ fn throw(group: &mut [Taking], points: &[PatchPoint], bodies: &mut [Body], pushe
     for patch in group.chunk_by_mut(|a, b| a.patch == b.patch) {
         throw_together(patch, points, bodies);
     }
-    for _ in 0..VISITS {
+    for _ in 0..MAX_VISITS {
         let mut change = 0.0f32;
         for taking in group.iter_mut() {
             let missing = taking.leave - taking.speed(bodies);
             let given = taking.give(missing / taking.row.response, bodies);
             change = change.max(given.abs() * taking.row.response);
         }
-        if change < SETTLED * fastest {
+        if change < SETTLED_SHARE * fastest {
             break;
         }
     }

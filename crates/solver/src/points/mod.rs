@@ -128,13 +128,13 @@ pub enum FrictionCone {
 }
 
 /// Upper limit of the setting `iterations`.
-const SWEEPS: usize = 1_000_000;
+const MAX_ITERATIONS: usize = 1_000_000;
 
 /// Describes invalid values of the settings that [`Pgs`] and [`Nncg`] share.
 fn problem(iterations: usize, warm_start: f32, tolerance: f32, lanes: Lanes) -> Option<String> {
-    if !(1..=SWEEPS).contains(&iterations) {
+    if !(1..=MAX_ITERATIONS).contains(&iterations) {
         return Some(format!(
-            "iterations is {iterations}, and must be between 1 and {SWEEPS}"
+            "iterations is {iterations}, and must be between 1 and {MAX_ITERATIONS}"
         ));
     }
     if !(0.0..=1.0).contains(&warm_start) {
@@ -174,11 +174,11 @@ trait Method {
 /// Mean number of pairs in a block of eight lanes from which on eight lanes are faster than four. In a wall of 10 × 10 bricks it is 4.5,
 /// and eight lanes take a fifth less time. In a wall of 5 × 5 it is 2.4, and eight lanes would take a tenth more.
 #[cfg(target_arch = "x86_64")]
-const ENOUGH: usize = 3;
+const EIGHT_LANES_FILL: usize = 3;
 
 #[cfg(target_arch = "x86_64")]
 fn width(lanes: Lanes, problem: &PointProblem) -> Width {
-    lanes.width(|| blocks::batches(F32x8::LANES, problem).holds(ENOUGH))
+    lanes.width(|| blocks::batches(F32x8::LANES, problem).holds(EIGHT_LANES_FILL))
 }
 
 #[cfg(not(target_arch = "x86_64"))]

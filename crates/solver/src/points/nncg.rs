@@ -17,7 +17,7 @@ use crate::{Lanes, SolveReport};
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// Number of consecutive restarts after which the method continues with plain sweeps.
-const GIVE_UP: usize = 8;
+const MAX_RESTARTS: usize = 8;
 
 /// The nonsmooth nonlinear conjugate gradient solver, a point solver. It converges, at the cost of more sweeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,7 @@ impl Method for Nncg {
             if report.record(gradient.sqrt()) <= self.tolerance || k + 1 == iterations {
                 break;
             }
-            if restarts == GIVE_UP {
+            if restarts == MAX_RESTARTS {
                 continue;
             }
             let beta = gradient / last;

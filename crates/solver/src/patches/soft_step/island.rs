@@ -10,12 +10,12 @@ use crate::batches::Batches;
 use crate::grab::ActiveGrab;
 use crate::lanes::{F32xN, State};
 use crate::revision::Revision;
-use crate::rounds::{ROUND, RoundEnds, Rounds};
+use crate::rounds::{ROUND_SIZE, RoundEnds, Rounds};
 use crate::{Lanes, PatchConstraint, PatchProblem};
 use glam::Mat3;
 
 /// A body with more neighbours than this gets a slower correction from each of them than the settings allow.
-const CROWD: f32 = 6.0;
+const CROWD_NEIGHBOURS: f32 = 6.0;
 
 /// The number of patches of each body.
 pub fn neighbours(problem: &PatchProblem) -> Vec<u32> {
@@ -49,7 +49,7 @@ impl<L: F32xN> Block<L> {
                 let body = patch.bodies[side];
                 match seat {
                     Some(seat) => {
-                        let seat = first_seat + seat.body * ROUND as u32 + seat.number;
+                        let seat = first_seat + seat.body * ROUND_SIZE as u32 + seat.number;
                         self.write_to(lane, side, seat);
                     }
                     None if moves(body) => self.write_to(lane, side, body),
@@ -57,7 +57,7 @@ impl<L: F32xN> Block<L> {
                 }
             }
             // The sum of all corrections would throw out a body that overlaps many others.
-            let slowdown = (CROWD * 0.5 * shared).min(1.0);
+            let slowdown = (CROWD_NEIGHBOURS * 0.5 * shared).min(1.0);
             self.set_max_speed(lane, problem.max_correction_speed * slowdown);
         }
     }

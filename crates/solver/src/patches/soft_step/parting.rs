@@ -2,9 +2,9 @@
 //!
 //! A spring corrects an overlap by a velocity, and bodies keep that velocity. This hardly matters where bodies rest, since they overlap by
 //! less than a millimetre. But if three hundred balls are in one place, each pushes on its neighbours, and these on theirs: the outer balls
-//! would leave with the sum of all velocities. So where bodies overlap by more than [`NEEDED`], springs see no more of an overlap than
-//! [`DEEP`], and positions alone correct the rest: at the end of a step the bodies are moved apart at each deeper point, along its normal,
-//! shared as an impulse would be. The sum of this and the motion of the step is no faster than the fastest correction.
+//! would leave with the sum of all velocities. So where bodies overlap by more than [`NEEDED_DEPTH`], springs see no more of an overlap
+//! than [`SPRING_DEPTH`], and positions alone correct the rest: at the end of a step the bodies are moved apart at each deeper point, along
+//! its normal, shared as an impulse would be. The sum of this and the motion of the step is no faster than the fastest correction.
 //!
 //! Bodies that are joined move as one and do not turn: each by itself, they would open their joints.
 
@@ -17,34 +17,34 @@ use crate::{Body, PatchConstraint, PatchProblem};
 use glam::{Vec3, Vec4};
 
 /// The depth from which on bodies are moved apart, m. Bodies that land hard in a heap come nearly as deep, and springs alone part them.
-const NEEDED: f32 = 0.05;
+const NEEDED_DEPTH: f32 = 0.05;
 
 /// The part of a depth that is left to springs in that case, m.
-const DEEP: f32 = 0.02;
+const SPRING_DEPTH: f32 = 0.02;
 
 /// Number of visits to each point.
-const SWEEPS: usize = 4;
+const VISITS: usize = 4;
 
 /// Limit of the speed of a body, as a factor of the fastest correction, for a body that overlaps many others.
-const FASTEST: f32 = 1.5;
+const MAX_SPEED_FACTOR: f32 = 1.5;
 
 /// Limit of the rotation of a body in a step, rad: arms are not updated.
-const TURN: f32 = 0.1;
+const MAX_TURN: f32 = 0.1;
 
-/// Whether some bodies overlap by more than [`NEEDED`].
+/// Whether some bodies overlap by more than [`NEEDED_DEPTH`].
 pub fn is_needed(gaps: &Gaps) -> bool {
-    gaps.deepest < -NEEDED
+    gaps.deepest < -NEEDED_DEPTH
 }
 
 /// The separation beyond which springs see no depth, m.
 pub fn deepest(gaps: &Gaps) -> f32 {
     match is_needed(gaps) {
-        true => -DEEP,
+        true => -SPRING_DEPTH,
         false => f32::NEG_INFINITY,
     }
 }
 
-/// What moves if a body is moved.
+/// The bodies that move together with a body.
 struct Movers {
     /// By body: itself, or the first body of its piece.
     first: Vec<usize>,
@@ -103,7 +103,7 @@ impl Deep {
     ) -> impl Iterator<Item = Self> + 'a {
         let points = &problem.points[patch.range()];
         points.iter().filter_map(move |point| {
-            let deep = -point.separation - DEEP;
+            let deep = -point.separation - SPRING_DEPTH;
             let bodies = patch.bodies.both(|body| body as usize);
             let arms = patch.arms.both(|arm| arm + point.offset);
             let ends = bodies.both(|body| movers.first[body]);
@@ -150,15 +150,17 @@ impl<L: F32xN> Island<L> {
         let rows = patches.flat_map(|patch| Deep::of(problem, patch, given, fastest));
         let mut rows: Vec<Deep> = rows.collect();
         let mut motions = vec![[Vec3::ZERO; 2]; problem.bodies.len()];
-        for _ in 0..SWEEPS {
+        for _ in 0..VISITS {
             for row in &mut rows {
                 row.visit(problem.bodies, &movers, &mut motions);
             }
         }
         for (motion, &first) in self.motions.iter_mut().zip(&movers.first) {
             let [linear, angular] = motions[first];
-            motion[0] += linear.clamp_length_max(FASTEST * fastest).extend(0.0);
-            motion[1] += angular.clamp_length_max(TURN).extend(0.0);
+            motion[0] += linear
+                .clamp_length_max(MAX_SPEED_FACTOR * fastest)
+                .extend(0.0);
+            motion[1] += angular.clamp_length_max(MAX_TURN).extend(0.0);
         }
     }
 }

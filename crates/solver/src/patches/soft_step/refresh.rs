@@ -6,8 +6,8 @@ use super::island::Island;
 use super::joints::Contacts;
 use super::kept::Changes;
 use super::sweeps::Mode;
+use super::sweeps::following::Following;
 use super::sweeps::halves::Part;
-use super::sweeps::pipeline::Following;
 use crate::Both;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, Kernel, State, cells};
@@ -130,7 +130,7 @@ impl<L: F32xN> Kernel for End<'_, '_, L> {
 }
 
 /// Number of blocks that one thread refreshes before it applies their warm-start impulses. They stay in its cache for both.
-const AT_A_TIME: usize = 64;
+const BLOCKS_AT_A_TIME: usize = 64;
 
 impl<L: F32xN> Island<L> {
     /// Begins a step. The result equals that of an island made anew, to the bit: edits elsewhere in a world must not change a simulation.
@@ -228,7 +228,7 @@ impl<L: F32xN> Island<L> {
         self.missing.resize(self.blocks.len(), L::ZERO);
         let count = self.blocks.len();
         let size = match problem.threads == 1 && self.batches.laps() == 1 {
-            true => AT_A_TIME,
+            true => BLOCKS_AT_A_TIME,
             false => count.max(1),
         };
         for first in (0..count).step_by(size) {
@@ -319,8 +319,8 @@ impl<L: F32xN> Island<L> {
     }
 
     /// Like [`start`](Self::start). If the blocks are larger than caches, sweeps follow through the blocks as these are prepared, so that
-    /// blocks are read from memory once: at most the first of the passes; none if blows are expected. Returns the merit of the free motion, √J, and Σ Wᵢᵢ Δλᵢ²
-    /// of each sweep that is done, J.
+    /// blocks are read from memory once: at most the first of the passes; none if blows are expected. Returns the merit of the free motion,
+    /// √J, and Σ Wᵢᵢ Δλᵢ² of each sweep that is done, J.
     pub fn start_and_sweep(
         &mut self,
         problem: &PatchProblem,

@@ -14,19 +14,19 @@
 
 use super::sweeps::load_statistics::BodyLoad;
 use crate::Both;
-use crate::patches::FEW;
+use crate::patches::SMALL_ISLAND_PATCHES;
 use crate::{Body, PatchProblem, Settling};
 use glam::Vec3;
 
 /// Number of awake courses from which on a structure settles. Lower ones sway faster, so springs damp them. Parts of a pile that creep
 /// apart must not be stopped while they overlap.
-const TALL: u32 = 12;
+const TALL_COURSES: u32 = 12;
 
 /// Islands that are solved [together](super::together) are too small to settle.
-const _: () = assert!(FEW <= TALL as usize);
+const _: () = assert!(SMALL_ISLAND_PATCHES <= TALL_COURSES as usize);
 
 /// A structure is at rest if its fastest body is slower than this share of [`Settling::below`]. It may tremble, but does not sway.
-const AT_REST: f32 = 0.01;
+const REST_SPEED_SHARE: f32 = 0.01;
 
 /// Takes speed from the bodies of a problem that was solved, if it sways. `body_loads` are those from before the solve.
 pub fn damp(problem: &mut PatchProblem, body_loads: &[BodyLoad]) {
@@ -49,7 +49,7 @@ pub fn damp(problem: &mut PatchProblem, body_loads: &[BodyLoad]) {
 impl Settling {
     /// Whether the problem is a tall structure that sways slowly on something that does not move.
     fn applies(&self, problem: &PatchProblem, body_loads: &[BodyLoad]) -> bool {
-        if problem.patches.len() < TALL as usize || !problem.has_only_contacts() {
+        if problem.patches.len() < TALL_COURSES as usize || !problem.has_only_contacts() {
             return false;
         }
         let (mut lowest, mut highest) = (u32::MAX, 0);
@@ -64,9 +64,9 @@ impl Settling {
                 return false;
             }
         }
-        lowest.saturating_add(TALL) <= highest + 1
+        lowest.saturating_add(TALL_COURSES) <= highest + 1
             && standing > 0.0
-            && (AT_REST * AT_REST..1.0).contains(&fastest)
+            && (REST_SPEED_SHARE * REST_SPEED_SHARE..1.0).contains(&fastest)
     }
 
     /// The square of the speed of a body, as a share of [`Self::below`].

@@ -17,19 +17,19 @@ use crate::{PatchConstraint, PatchPoint, PatchProblem};
 use glam::{Quat, Vec3, Vec4};
 
 /// A body is a spinner if it turns by more than this in a step, rad.
-const FAST: f32 = 0.05;
+const MIN_TURN: f32 = 0.05;
 
 /// A patch lies on the axis if the angle between them is below this, as a sine.
-const ON_AXIS: f32 = 0.2;
+const AXIS_SINE: f32 = 0.2;
 
 /// Whether a body may be a spinner. This is false for most bodies.
 fn is_fast(body: &Body, dt: f32) -> bool {
-    let turns = body.start[1].length_squared() * dt * dt > FAST * FAST;
+    let turns = body.start[1].length_squared() * dt * dt > MIN_TURN * MIN_TURN;
     turns && body.inverse_mass > 0.0 && !body.is_upright()
 }
 
 /// A point does not touch if its separation exceeds that of the nearest point by more than this share of the distance between them.
-const SLOPE: f32 = 0.02;
+const TOUCHING_SLOPE: f32 = 0.02;
 
 /// From the centre of a patch to the mean of the points that touch, m. A fast top has points at its rim, because it might reach them within
 /// the step.
@@ -44,7 +44,7 @@ fn touching_center(patch: &PatchConstraint, points: &[PatchPoint]) -> Vec3 {
     };
     let touch = points.iter().filter(|point| {
         let apart = (point.offset - nearest.offset).length();
-        point.separation - nearest.separation <= SLOPE * apart
+        point.separation - nearest.separation <= TOUCHING_SLOPE * apart
     });
     let (sum, count) = touch.fold((Vec3::ZERO, 0), |(sum, count), point| {
         (sum + point.offset, count + 1)
@@ -62,7 +62,7 @@ fn stands_on(axis: Vec3, body: u32, problem: &PatchProblem) -> bool {
     let mut touches = false;
     for arm in arms {
         touches = true;
-        if axis.cross(arm).length_squared() > (ON_AXIS * ON_AXIS) * arm.length_squared() {
+        if axis.cross(arm).length_squared() > (AXIS_SINE * AXIS_SINE) * arm.length_squared() {
             return false;
         }
     }

@@ -9,7 +9,7 @@
 //! those could not yield, the bricks would drag the courses along.
 
 use super::hot::{Hot, Place};
-use super::{BLOW, SETTLED};
+use super::{BLOW_SPEED, SETTLED_CHANGE};
 use crate::Both;
 use crate::contact_row::{ContactRow, add_to};
 use crate::groups::Groups;
@@ -20,13 +20,13 @@ use crate::{Body, PatchProblem};
 use glam::{Vec3, Vec4};
 
 /// A body falls if at least this share of its squared velocity is downwards.
-const DOWNWARDS: f32 = 0.5;
+const DOWNWARD_SHARE: f32 = 0.5;
 
 /// Upper bound of visits to the points under one body.
-const VISITS: usize = 8;
+const MAX_VISITS: usize = 8;
 
 /// Visits end when none changes the velocity by more than this, m/s.
-const SHARED: f32 = 1e-3;
+const SETTLED_VELOCITY: f32 = 1e-3;
 
 /// Data that is kept from substep to substep.
 #[derive(Default)]
@@ -206,7 +206,8 @@ impl HandDown {
         let falls = |body: u32| {
             let velocity = island.before[body as usize][0].truncate();
             let down = -velocity.dot(up);
-            let falls = down > BLOW && down * down > DOWNWARDS * velocity.length_squared();
+            let falls =
+                down > BLOW_SPEED && down * down > DOWNWARD_SHARE * velocity.length_squared();
             falls && problem.bodies[body as usize].inverse_mass > 0.0
         };
         let mut any = false;
@@ -283,7 +284,8 @@ impl HandDown {
                 for (velocity, change) in state.iter_mut().zip(answer) {
                     *velocity += change.extend(0.0);
                 }
-                self.stops[support.below as usize] |= given.abs() * below.inverse_mass > SETTLED;
+                self.stops[support.below as usize] |=
+                    given.abs() * below.inverse_mass > SETTLED_CHANGE;
             }
         }
     }
@@ -360,7 +362,7 @@ fn stop(rows: &mut [Support], body: &Body, velocity: &mut [Vec3; 2]) {
             support.give(missing / response, body, velocity);
         }
     }
-    for _ in 0..VISITS {
+    for _ in 0..MAX_VISITS {
         let mut most = 0f32;
         for support in rows.iter_mut() {
             let given = support.give(
@@ -370,7 +372,7 @@ fn stop(rows: &mut [Support], body: &Body, velocity: &mut [Vec3; 2]) {
             );
             most = most.max(given.abs() * support.row.response);
         }
-        if most < SHARED {
+        if most < SETTLED_VELOCITY {
             break;
         }
     }

@@ -1,6 +1,6 @@
 //! Hot bodies, which take a blow, and the lanes of their patches.
 
-use super::SETTLED;
+use super::SETTLED_CHANGE;
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::by_body::ByBody;
@@ -9,13 +9,13 @@ use crate::patches::soft_step::start::upright::up;
 use fixedbitset::FixedBitSet;
 
 /// A patch is steep if the cosine of its normal to the vertical is less than this.
-const STEEP: f32 = 0.5;
+const STEEP_COSINE: f32 = 0.5;
 
 /// Change of the relative velocity at a patch from which on all patches of its bodies are visited, m/s. For smaller changes, only the steep
 /// patches are visited: on the others momentum is handed down, and sweeps over all patches make a falling heap a fifth more expensive. At
 /// 0.25, or if all changes count as smaller, piles of round bodies come to rest with deeper overlaps: 4.0 and 4.2 mm in the mean instead of
 /// 3.4.
-const MUCH: f32 = 0.1;
+const LARGE_CHANGE: f32 = 0.1;
 
 /// A patch of a body, and its place in the blocks.
 #[derive(Clone, Copy, Default)]
@@ -76,7 +76,7 @@ pub struct Hot<L> {
     stirred_blocks: FixedBitSet,
     /// The visits of the next sweep, in the order of the blocks.
     pub visits: Vec<Visit<L>>,
-    /// Blocks in which the last sweep changed a velocity by more than [`SETTLED`], with the squares of the changes, m²/s².
+    /// Blocks in which the last sweep changed a velocity by more than [`SETTLED_CHANGE`], with the squares of the changes, m²/s².
     pub changes: Vec<(u32, L)>,
 }
 
@@ -106,8 +106,8 @@ impl<L: F32xN> Hot<L> {
         let places = (0..).zip(batches.iter()).flat_map(|(block, patches)| {
             patches.flat_map(move |(lane, patch)| {
                 let found = &problem.patches[patch as usize];
-                let is_steep =
-                    found.normal.dot(up).abs() < STEEP || found.bodies.into_iter().any(is_held);
+                let is_steep = found.normal.dot(up).abs() < STEEP_COSINE
+                    || found.bodies.into_iter().any(is_held);
                 let ends = (0..).zip(found.bodies);
                 ends.map(move |(side, body)| {
                     let place = Place {
@@ -217,8 +217,8 @@ impl<L: F32xN> Hot<L> {
         let mut changes = std::mem::take(&mut self.changes);
         for (block, square) in changes.drain(..) {
             for (lane, patch) in batches.block(block as usize) {
-                if square[lane] > SETTLED * SETTLED {
-                    let stirs = match square[lane] > MUCH * MUCH {
+                if square[lane] > SETTLED_CHANGE * SETTLED_CHANGE {
+                    let stirs = match square[lane] > LARGE_CHANGE * LARGE_CHANGE {
                         true => Stirred::All,
                         false => Stirred::Steep,
                     };

@@ -2,7 +2,7 @@
 //!
 //! One soft sweep leaves a part of the speed of a blow. The springs store it and give it back in later substeps. Since impulses carry over,
 //! the next substep would also begin with the impulses of the blow. A stack would hop when a body falls on it. So a substep in which
-//! contacts change the velocity of some body by more than [`BLOW`] continues after its soft sweep:
+//! contacts change the velocity of some body by more than [`BLOW_SPEED`] continues after its soft sweep:
 //!
 //! 1. Bodies that take the blow are [hot](hot); bodies become hot as the blow reaches them.
 //! 2. The momentum of falling bodies is [handed down](hand_down) to the ground, which stops a column in one pass.
@@ -37,30 +37,30 @@ use hot::Hot;
 use std::cell::Cell;
 
 /// A change of a body's velocity in one substep counts as a blow from this value on, m/s.
-const BLOW: f32 = 0.25;
+const BLOW_SPEED: f32 = 0.25;
 
 /// A change of the relative velocity at a patch below which sweeps end and a blow spreads no farther, m/s.
-const SETTLED: f32 = 0.02;
+const SETTLED_CHANGE: f32 = 0.02;
 
 /// A body that turns by more than this in a step takes no blow, rad: arms are frozen during a step, and more sweeps over wrong arms gain
 /// energy.
-const TURNED: f32 = 0.75;
+const MAX_TURN: f32 = 0.75;
 
 /// A body that is more slender than this takes no blow, as a ratio of radii of gyration: the ends of a beam of 10 × 0.2 × 0.2 m (20) move
 /// by its thickness when it turns by a hundredth.
-const SLENDER: f32 = 6.0;
+const MAX_SLENDERNESS: f32 = 6.0;
 
 /// Upper bounds of additional soft and rigid sweeps.
-const SOFT_SWEEPS: usize = 12;
-const RIGID_SWEEPS: usize = 16;
+const MAX_SOFT_SWEEPS: usize = 12;
+const MAX_RIGID_SWEEPS: usize = 16;
 
 /// Over-relaxation: the share of the change of each normal impulse that a rigid sweep adds to it.
-const OVER: f32 = 0.55;
+const OVER_RELAXATION: f32 = 0.55;
 
 /// Whether the free motion predicts that some bodies will hit each other in this step.
 pub fn expected(problem: &PatchProblem, gaps: &Gaps) -> bool {
     // The approach speed of two bodies is at most the sum of their speeds, and a body at rest gains speed only over a gap.
-    let gap = 0.5 * BLOW * BLOW / problem.gravity.length();
+    let gap = 0.5 * BLOW_SPEED * BLOW_SPEED / problem.gravity.length();
     (problem.bodies.iter().any(is_fast) || gaps.widest > gap)
         && problem.patches.iter().any(|patch| hits(problem, patch))
 }
@@ -68,7 +68,7 @@ pub fn expected(problem: &PatchProblem, gaps: &Gaps) -> bool {
 /// Whether a body moves or turns with at least half of the speed of a blow, before the forces of this step.
 fn is_fast(body: &Body) -> bool {
     let [linear, angular] = body.start.both(Vec3::length_squared);
-    let limit = 0.25 * BLOW * BLOW;
+    let limit = 0.25 * BLOW_SPEED * BLOW_SPEED;
     linear + angular * body.square_gyration() > limit
 }
 
@@ -89,7 +89,7 @@ fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
             let apart = point.separation.max(0.0);
             // The squared speed gained by a constant force on the way to the surface.
             let gathered = 2.0 * gained.max(0.0) / problem.dt * apart;
-            before.max(0.0).squared() + gathered > BLOW * BLOW
+            before.max(0.0).squared() + gathered > BLOW_SPEED * BLOW_SPEED
                 && apart < (before + gained) * problem.dt
         })
 }
@@ -122,8 +122,9 @@ impl<L: F32xN> Blows<L> {
         self.square_gyrations.clear();
         let square_gyrations = problem.bodies.iter().enumerate().map(|(number, body)| {
             let square = body.square_gyration();
-            let turns_little = body.angular.length() * problem.dt <= TURNED;
-            let is_stocky = longest_square_gyration(body) <= SLENDER * SLENDER * square;
+            let turns_little = body.angular.length() * problem.dt <= MAX_TURN;
+            let is_stocky =
+                longest_square_gyration(body) <= MAX_SLENDERNESS * MAX_SLENDERNESS * square;
             match turns_little && is_stocky && !island.joints.hold(number) {
                 true => square,
                 false => 0.0,
@@ -169,7 +170,7 @@ impl<L: F32xN> Blows<L> {
             let [now, before] =
                 [&island.velocities, &island.before].both(|list| list[body as usize]);
             let [linear, angular] = [0, 1].both(|i| (now[i] - before[i]).truncate());
-            if speed_of(linear, angular, self.square_gyrations[body as usize]) > BLOW {
+            if speed_of(linear, angular, self.square_gyrations[body as usize]) > BLOW_SPEED {
                 self.hot.heat(body);
             }
         }
@@ -202,7 +203,7 @@ impl<L: F32xN> Island<L> {
                 if takes_blow {
                     let Blows { hot, hand_down, .. } = &mut *blows;
                     hand_down.run(problem, self, hot, pass.rate);
-                    self.sweep_more(problem, blows, pass, SOFT_SWEEPS);
+                    self.sweep_more(problem, blows, pass, MAX_SOFT_SWEEPS);
                 }
                 self.drift(pass);
                 self.drift_joints(pass, false);
@@ -211,7 +212,7 @@ impl<L: F32xN> Island<L> {
                         soft: false,
                         ..*pass
                     };
-                    self.sweep_more(problem, blows, &rigid, RIGID_SWEEPS);
+                    self.sweep_more(problem, blows, &rigid, MAX_RIGID_SWEEPS);
                 }
             } else {
                 let swept = self.visit_grabs() + self.sweep_rigidly(pass);
@@ -249,7 +250,7 @@ impl<L: F32xN> Island<L> {
                 hot,
                 was,
                 // The last sweep is not over-relaxed, since no sweep corrects it.
-                over: if sweep < sweeps { OVER } else { 0.0 },
+                over: if sweep < sweeps { OVER_RELAXATION } else { 0.0 },
                 pass,
             });
             self.visit_joints(pass);
@@ -300,7 +301,7 @@ impl<L: F32xN> Kernel for SweepMore<'_, L> {
         } = self.island;
         let (velocities, motions) = (cells(velocities), cells(motions));
         let (over, was, pass) = (L::splat(self.over), self.was, self.pass);
-        let limit = L::splat(SETTLED * SETTLED);
+        let limit = L::splat(SETTLED_CHANGE * SETTLED_CHANGE);
         for visit in &self.hot.visits {
             let block = &mut blocks[visit.block as usize];
             let points = &mut points[block.range()];

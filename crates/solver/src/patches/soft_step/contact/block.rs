@@ -16,7 +16,7 @@ use std::cell::Cell;
 
 /// The smallest radius of a point, as a share of the radius of gyration about its normal. A body that is pinched between two points turns
 /// about them, and without any friction there it would never come to rest.
-const SPOT: f32 = 0.003;
+const MIN_RADIUS_SHARE: f32 = 0.003;
 
 /// Patches side by side, one in each lane, with the data that their rows need in a visit.
 #[derive(Clone, Debug, Default)]
@@ -205,7 +205,9 @@ impl<L: F32xN> Block<L> {
             self.rolling_mass = [zz * determinant, yy * determinant, -yz * determinant];
         }
         self.radius = L::ZERO;
-        let spot = self.has_spots * L::splat(SPOT) * (self.twist_mass * self.normals.xx).sqrt();
+        let spot = self.has_spots
+            * L::splat(MIN_RADIUS_SHARE)
+            * (self.twist_mass * self.normals.xx).sqrt();
         for point in points {
             let along = point.direction();
             point.radius = point.x.mul_add(point.x, point.y * point.y).sqrt();

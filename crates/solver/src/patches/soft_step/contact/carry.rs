@@ -10,7 +10,7 @@ use glam::Mat3;
 const FRICTION: f32 = 0.3;
 
 /// Rate at which the loads of single points follow, relative to that of their mean. At 1, a body rocks on its points.
-const ASIDE: f32 = 0.03;
+const DIFFERENCE_SHARE: f32 = 0.03;
 
 /// The state of patches at the beginning of a step, by lane.
 #[derive(Default)]
@@ -176,7 +176,7 @@ impl<L: F32xN> Block<L> {
         }
         let to_whole = self.share * whole;
         let (held, mean) = (to_whole * held, to_whole * mean);
-        let (rate, aside) = (L::splat(rate), L::splat(ASIDE));
+        let (rate, aside) = (L::splat(rate), L::splat(DIFFERENCE_SHARE));
         for (number, point) in points.iter().enumerate() {
             let normal = last.mul_add(point.impulse, point.given);
             let (warm, load) = (whole * point.impulse, whole * point.rest_impulse);

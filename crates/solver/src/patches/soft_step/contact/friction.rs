@@ -7,11 +7,11 @@ use crate::lanes::{F32xN, Kernel, SpatialVec, square_length, squared};
 
 /// Slip beyond the reach of its spring at which a patch takes its anchor along, m. Impulses that have not converged yet let resting bodies
 /// slip by less; without this margin, walls that settle drift half as far again.
-const PLAY: f32 = 1e-3;
+const ANCHOR_PLAY: f32 = 1e-3;
 
 /// Factor by which friction may exceed the cone of normals that were relaxed after it. At 1.05, bodies that slide and tremble lose some of
 /// their friction in every visit, and boxes that bounce begin to turn.
-const STALE: f32 = 2.0;
+const CONE_SLACK: f32 = 2.0;
 
 /// Coefficients of friction rows: a spring about the anchor, if friction is anchored.
 pub struct Hold<L> {
@@ -65,7 +65,7 @@ impl<L: F32xN> Block<L> {
             .mul_sub(self.held_twist, self.slip_twist)
             - moved.angular.x;
         let turned = pull_twist.max(-pull_twist) * self.radius;
-        let play = L::splat(PLAY);
+        let play = L::splat(ANCHOR_PLAY);
         if square_length(pull).any_above(squared(play)) || turned.any_above(play) {
             L::run_rarely(Drag {
                 block: self,
@@ -150,7 +150,7 @@ impl<L: F32xN> Block<L> {
     /// since, as after a blow, the friction of the blow would be applied twice.
     #[inline(always)]
     pub fn confine<K: Kinds<L>>(&mut self, kinds: K, carried: L, visit: &mut Visit<L>) {
-        let limit = L::splat(STALE) * self.friction * carried;
+        let limit = L::splat(CONE_SLACK) * self.friction * carried;
         let [x, y] = self.tangential;
         if square_length([x, y]).any_above(squared(limit)) {
             let found = L::run_rarely(Shorten {
@@ -194,7 +194,7 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Drag<'_, L, K> {
             pull,
             pull_twist,
         } = self;
-        let play = L::splat(PLAY);
+        let play = L::splat(ANCHOR_PLAY);
         let limit = block.most_twist(&carried);
         let reach = block
             .compliance_twist

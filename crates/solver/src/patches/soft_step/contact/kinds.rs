@@ -72,11 +72,14 @@ pub struct Soft {
 #[derive(Clone, Copy)]
 pub struct Rigid;
 
-/// Each lane is in its own sweep, or idle. A mask is 1 where its name holds, else 0.
+/// Each lane is in its own sweep, or idle.
 #[derive(Clone, Copy)]
 pub struct Mixed<L> {
+    /// 1 in lanes that are soft, else 0.
     pub soft: L,
+    /// 1 in lanes that are rigid, else 0.
     pub rigid: L,
+    /// 1 in lanes that are soft and were soft earlier in this step, else 0.
     pub soft_again: L,
 }
 

@@ -7,7 +7,7 @@ use super::visit::Visit;
 use crate::lanes::{F32xN, Kernel, SpatialVec, Vec3xN};
 
 /// A patch with a normal velocity above this (m/s) is landing, not resting.
-pub const LANDING: f32 = 0.25;
+pub const LANDING_SPEED: f32 = 0.25;
 
 /// Number of visits to the points of a landing patch.
 const LANDING_VISITS: usize = 8;

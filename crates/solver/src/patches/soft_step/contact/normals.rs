@@ -2,14 +2,14 @@
 
 use super::block::{Block, Points, on_normals_local};
 use super::kinds::Kinds;
-use super::landing::{LANDING, Land};
+use super::landing::{LANDING_SPEED, Land};
 use super::pass::Pass;
 use super::visit::{Carried, Visit};
 use crate::lanes::{F32xN, SpatialVec, Vec3xN};
 
 /// The held load of a point is at most its load at rest times this times the share of its load that the patch still carries. Where a load
 /// is removed at once, the slow mean would throw the body that carried it.
-pub const UNLOADED: f32 = 3.0;
+pub const UNLOADED_FACTOR: f32 = 3.0;
 
 /// The springs of a patch's points in one visit.
 #[derive(Clone, Copy, Default)]
@@ -44,7 +44,7 @@ impl<L: F32xN> Block<L> {
         let impulse_scale = kinds.given_back(soft.impulse_scale);
         let left = carried.all * self.share * self.inverse_load;
         // The largest share of a load that is held.
-        let most = (left * L::splat(UNLOADED)).min(L::ONE);
+        let most = (left * L::splat(UNLOADED_FACTOR)).min(L::ONE);
         Springs {
             moved: on_normals_local(moved),
             bias_rate: soft.bias_rate,
@@ -114,7 +114,7 @@ impl<L: F32xN, K: Kinds<L>> NormalRows<L, K> {
             // Other lanes must get the result that they would get without this one.
             let u = visit.velocity.linear.x;
             let lands = self.kinds.soft(u.max(-u), L::ZERO);
-            let landing = L::splat(LANDING);
+            let landing = L::splat(LANDING_SPEED);
             if lands.any_above(landing) {
                 let lands = lands.select_above(landing, L::ONE, L::ZERO);
                 return L::run_rarely(Land {

@@ -7,7 +7,7 @@ use super::visit::{Carried, Visit};
 use crate::lanes::{F32xN, Kernel, Vec3xN, square_length};
 
 /// Rolling and slipping slower than this (m/s) count as creep.
-const CREEP: f32 = 0.1;
+const CREEP_SPEED: f32 = 0.1;
 
 /// Stops creep: relaxes Ω_1 and Ω_2 together, within the limit of the current normal impulses. The limit decreases with speed.
 pub struct Roll<'a, L: F32xN, K> {
@@ -32,7 +32,7 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Roll<'_, L, K> {
         let slip = [visit.velocity.linear.y, visit.velocity.linear.z];
         let rolling = block.rolling_radius * block.rolling_radius;
         let square = rolling.mul_add(square_length(spin), square_length(slip));
-        let fast = square.mul_add(L::splat(1.0 / (CREEP * CREEP)), L::ONE);
+        let fast = square.mul_add(L::splat(1.0 / (CREEP_SPEED * CREEP_SPEED)), L::ONE);
         let limit = block.rolling_lever * carried.all * (fast * fast).inverse();
         let [xx, yy, xy] = block.rolling_mass;
         let exact = [

@@ -16,7 +16,7 @@ use glam::Vec3;
 
 /// A patch whose bodies are farther from where it holds them than this share of its size was moved by an edit, and has broken. Bonds yield
 /// by a thousandth of that at most.
-const MISFIT: f32 = 0.02;
+const MISFIT_FACTOR: f32 = 0.02;
 
 /// The lesser utilization of a section by the filtered forces and by those of a substep; none if the latter do not exceed its strength.
 pub fn lesser(section: &Section, filtered: [Vec3; 2], now: [Vec3; 2]) -> Option<Utilization> {
@@ -30,7 +30,7 @@ pub fn lesser(section: &Section, filtered: [Vec3; 2], now: [Vec3; 2]) -> Option<
     })
 }
 
-/// What is nearer to breaking than it may be.
+/// The utilization of a section whose strength is exceeded.
 fn exceeded(log: &Log) -> Option<Utilization> {
     log.used.filter(|used| used.share > 1.0)
 }
@@ -45,7 +45,7 @@ impl Joints {
             };
             let size = section.area.sqrt();
             let slack = joint.slack[0] + size * joint.slack[1];
-            if link.misfit(&self.rows, size) > MISFIT * size + slack {
+            if link.misfit(&self.rows, size) > MISFIT_FACTOR * size + slack {
                 log.broke = Some(Utilization {
                     share: f32::INFINITY,
                     stress: 0.0,

@@ -16,14 +16,14 @@ use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::lanes::{F32xN, State};
 use crate::patches::soft_step::contact::block::{Block, Points};
-use crate::patches::soft_step::contact::normals::UNLOADED;
+use crate::patches::soft_step::contact::normals::UNLOADED_FACTOR;
 use crate::patches::soft_step::contact::pass::Pass;
 use glam::{Vec3, Vec4};
 use std::cell::Cell;
 
 /// Compliance of a contact in a cold start, times its effective mass. That of a spring (0.06) would let a table on light legs begin to
 /// sink.
-const RIGID: f32 = 1e-6;
+const RIGID_COMPLIANCE: f32 = 1e-6;
 
 /// A patch between a jointed body and one without joints.
 #[derive(Clone, Debug)]
@@ -187,7 +187,7 @@ impl LeafPatch {
         let give = soft.impulse_scale[lane] / soft.mass_scale[lane].max(f32::MIN_POSITIVE);
         let carried: f32 = used().map(|point| point.impulse[lane]).sum();
         let left = carried * block.share[lane] * block.inverse_load[lane];
-        let most = (left * UNLOADED).min(1.0);
+        let most = (left * UNLOADED_FACTOR).min(1.0);
         let states = [contacts.velocities, contacts.motions];
         let [velocities, motions] = states.both(|list| self.bodies.both(|body| read(list, body)));
         for (i, point) in used().enumerate() {
@@ -254,7 +254,7 @@ impl LeafPatch {
                 continue;
             }
             let arms = self.arms_of(i, offsets);
-            let compliance = (RIGID / mass) as f64;
+            let compliance = (RIGID_COMPLIANCE / mass) as f64;
             leaves.push(Leaf {
                 own_compliance: compliance,
                 compliance,

@@ -50,11 +50,11 @@ use std::cell::Cell;
 use std::ops::Range;
 
 /// A motor of infinite stiffness takes at least as many substeps to its target.
-const APPROACH: f32 = 4.0;
+const MIN_APPROACH_SUBSTEPS: f32 = 4.0;
 
 /// Upper bounds of the speed of bodies that were placed, m/s and rad/s, and of the error of joints between them, m and rad.
-const PUT: f32 = 0.01;
-const PLACED: f32 = 0.005;
+const MAX_PLACED_SPEED: f32 = 0.01;
+const PLACED_ACCURACY: f32 = 0.005;
 
 /// The joints of an island.
 #[derive(Default)]
@@ -362,14 +362,14 @@ impl Joints {
         };
         // The distance that a body falls from rest in a step.
         let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
-        let closed = fallen.max(PLACED);
+        let closed = fallen.max(PLACED_ACCURACY);
         let joints = &self.joints;
         let mut is_any_cold = false;
         for piece in &mut self.pieces {
             let links = lists.links[piece.links.clone()].iter();
             let mut forces = links.flat_map(|link| joints[link.joint].forces);
             if forces.all(|force| force == 0.0)
-                && piece.is_built(&lists, PUT, self.bias_rate * PLACED)
+                && piece.is_built(&lists, MAX_PLACED_SPEED, self.bias_rate * PLACED_ACCURACY)
             {
                 piece.cold_start(self.h, (closed, supports), &mut lists, contacts);
                 piece.is_refreshed = true;
@@ -391,7 +391,7 @@ impl Joints {
         let left = (self.substeps - self.drifted) as f32;
         Times {
             h: self.h,
-            left: self.h * left.max(APPROACH),
+            left: self.h * left.max(MIN_APPROACH_SUBSTEPS),
             bias_rate: self.bias_rate,
             fastest: self.fastest,
         }
@@ -506,7 +506,7 @@ impl Joints {
         for piece in &mut self.pieces {
             let is_refreshed = std::mem::take(&mut piece.is_refreshed);
             let members = &mut self.members[piece.members.clone()];
-            // What does not turn needs no spin carried over.
+            // Bodies that do not turn need no spin carried over.
             let turns = |member: &Member| !piece.is_calm || member.turns(piece.calm());
             let is_stiffened = members
                 .iter()

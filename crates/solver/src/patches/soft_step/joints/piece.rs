@@ -2,12 +2,12 @@
 //!
 //! Motors, friction and limits have bounded impulses, and contacts only push. A solve takes the rows as it found them in the last sweep,
 //! bounded or free. Where an impulse passes its bound it is fixed there, a fixed one that would come back is freed, and the piece is solved
-//! again, at most [`PASSES`] times. An impulse that is cut without another solve leaves its joint open.
+//! again, at most [`MAX_PASSES`] times. An impulse that is cut without another solve leaves its joint open.
 //!
 //! A piece is *calm* while all of its rows are content, in soft and in rigid sweeps alike. Then nothing is solved, and as long as its
 //! bodies neither move nor change their velocities, its rows are not looked at either. So what rests costs little.
 
-use super::borders::{Borders, MOST_BORDERS, Wanted};
+use super::borders::{Borders, MAX_BORDERS, Wanted};
 use super::factor::{Coupling, Factor, Numbers};
 use super::leaf::{Contacts, Held, Leaf, LeafPatch, add, read};
 use super::member::Member;
@@ -22,24 +22,24 @@ use std::ops::Range;
 
 /// Upper bound of solves in a visit. With 5, a joint of a ragdoll in a heap of 100 opened by 7.1 mm in a blow; with 20 none by more than
 /// 0.16 mm. Few visits need so many.
-const PASSES: usize = 20;
+const MAX_PASSES: usize = 20;
 
 /// A rate below which a fixed row counts as content, m/s or rad/s.
-const CONTENT: f64 = 1e-7;
+const CONTENT_RATE: f64 = 1e-7;
 
-/// What a row or a contact may lack in a calm piece, m/s and rad/s. Errors of position that ask for a faster correction wake it. With 1e-7,
-/// which is rounding of the velocities of a link under a hundred times its weight, a chain at rest is seldom calm; with 1e-5 it is nearly
-/// always, and trembles by 2e-5 m/s where it wakes.
-const CALM: f32 = 1e-6;
+/// Maximum rate that a row or a contact lacks in a calm piece, m/s and rad/s. Errors of position that ask for a faster correction wake it.
+/// With 1e-7, which is rounding of the velocities of a link under a hundred times its weight, a chain at rest is seldom calm; with 1e-5 it
+/// is nearly always, and trembles by 2e-5 m/s where it wakes.
+const CALM_RATE: f32 = 1e-6;
 
-/// What bonds may lack. They are so stiff that what they lack in a loop would strain them.
-const CALM_BOND: f32 = 1e-7;
+/// The same for bonds. They are so stiff that the rates that they lack would strain them in a loop.
+const CALM_BOND_RATE: f32 = 1e-7;
 
 /// Number of borders from which on another factorization is less work than to add them.
-const MANY: usize = 3;
+const MAX_NEW_BORDERS: usize = 3;
 
 /// How much softer than it is a contact may be in the solve. Its compliance changes with the number of contacts of its other body.
-const SOFTER: f64 = 2.0;
+const MAX_SOFTENING: f64 = 2.0;
 
 /// Where a joint acts in the system.
 #[derive(Clone, Debug)]
@@ -159,14 +159,14 @@ impl Piece {
 
     fn leaves_are_content(&self) -> bool {
         let mut leaves = self.leaves.iter();
-        leaves.all(|leaf| leaf.lack.abs() < CALM as f64)
+        leaves.all(|leaf| leaf.lack.abs() < CALM_RATE as f64)
     }
 
-    /// What its rows may lack while it is calm, m/s and rad/s.
+    /// Maximum rate that its rows lack while it is calm, m/s and rad/s.
     pub fn calm(&self) -> f32 {
         match self.is_bonded {
-            true => CALM_BOND,
-            false => CALM,
+            true => CALM_BOND_RATE,
+            false => CALM_RATE,
         }
     }
 
@@ -258,9 +258,9 @@ impl Piece {
     /// Solves until impulses are within their bounds.
     fn solve_within_bounds(&mut self, lists: &mut Lists) {
         self.is_begun = false;
-        for round in 1..=PASSES {
+        for round in 1..=MAX_PASSES {
             run_plain(self.is_fused, Solve { piece: self, lists });
-            let last = round == PASSES;
+            let last = round == MAX_PASSES;
             if !self.fix_bounds(lists, last) {
                 break;
             }
@@ -270,7 +270,7 @@ impl Piece {
         }
     }
 
-    /// What rows still lack with the solution.
+    /// Finds the rates that rows still lack with the solution.
     #[inline(always)]
     fn find_left(&self, lists: &mut Lists) {
         let change = |place: Option<usize>| match place {
@@ -334,7 +334,7 @@ impl Piece {
         let begun = self.leaves.iter();
         let begun = begun.filter(|leaf| leaf.is_active && leaf.held.is_none());
         let new = new + ended.count() + begun.count();
-        if new >= MANY || self.borders.len() + new > MOST_BORDERS {
+        if new >= MAX_NEW_BORDERS || self.borders.len() + new > MAX_BORDERS {
             return false;
         }
         for held in &self.held {
@@ -433,7 +433,7 @@ impl Piece {
                 held.leaf = Some(number);
                 // Stiffer than it is would throw bodies.
                 let softer = held.compliance / leaf.compliance;
-                are_near &= (1.0 - CONTENT..SOFTER).contains(&softer);
+                are_near &= (1.0 - CONTENT_RATE..MAX_SOFTENING).contains(&softer);
             }
         }
         are_near
@@ -556,7 +556,7 @@ impl Piece {
                     leaf.is_active = false;
                     changed = true;
                 }
-            } else if !last && left - leaf.compliance * leaf.change > CONTENT {
+            } else if !last && left - leaf.compliance * leaf.change > CONTENT_RATE {
                 leaf.is_active = true;
                 changed = true;
             }
@@ -584,8 +584,8 @@ impl Piece {
                     }
                     let left = row.left - (row.compliance * row.fixed_change()) as f64;
                     let comes_back = match fixed {
-                        Bound::Low => left > CONTENT,
-                        _ => left < -CONTENT,
+                        Bound::Low => left > CONTENT_RATE,
+                        _ => left < -CONTENT_RATE,
                     };
                     if !comes_back {
                         continue;

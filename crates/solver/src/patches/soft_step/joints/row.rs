@@ -85,7 +85,7 @@ pub struct JointRow {
     rounding: f32,
     /// The rate that it lacks in a visit, before the solve.
     pub lack: f32,
-    /// What it still lacks after the solve, apart from its own compliance.
+    /// The rate that it still lacks after the solve, apart from its own compliance.
     pub left: f64,
 }
 

@@ -22,26 +22,26 @@ use std::f32::consts::TAU;
 const SUBSTEP: f32 = 1.0 / 720.0;
 
 /// Soft sweeps in a round; one rigid sweep ends it.
-const SOFT_SWEEPS: usize = 3;
-const SWEEPS: usize = SOFT_SWEEPS + 1;
+const SOFT_SWEEPS_PER_ROUND: usize = 3;
+const SWEEPS_PER_ROUND: usize = SOFT_SWEEPS_PER_ROUND + 1;
 
 /// Number of rounds in which weight grows, and upper bound of rounds with the full weight after that.
-const GROWING: usize = 130;
-const HOLDING: usize = 480;
+const GROWING_ROUNDS: usize = 130;
+const MAX_HOLDING_ROUNDS: usize = 480;
 
 /// Number of rounds between checks whether bodies rest.
-const LOOK: usize = 10;
+const ROUNDS_PER_CHECK: usize = 10;
 
 /// Bodies rest below the speed that gravity gives in this time, s.
-const RESTS: f32 = 2e-5;
+const REST_TIME: f32 = 2e-5;
 
 /// Bodies slide or fall if they are faster than the speed that gravity gives in this time, s, and have not lost this share of their speed
 /// in the second half of the rounds.
-const GOES: f32 = 5e-4;
-const LOST: f32 = 0.5;
+const MOVING_TIME: f32 = 5e-4;
+const LOST_SHARE: f32 = 0.5;
 
 /// Upper bound of visits to patches: no step of a large structure may take seconds.
-const PATCH_VISITS: usize = 20_000_000;
+const MAX_PATCH_VISITS: usize = 20_000_000;
 
 /// The result for bodies under growing weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,34 +56,36 @@ pub enum Grown {
 
 /// Replaces the impulses and loads at rest of contacts by those that growing weight causes. Points farther apart than `closed` m get none.
 pub fn grow<L: F32xN>(problem: &mut PatchProblem, closed: f32) -> Grown {
-    if problem.patches.len() * SWEEPS * (GROWING + HOLDING) > PATCH_VISITS {
+    if problem.patches.len() * SWEEPS_PER_ROUND * (GROWING_ROUNDS + MAX_HOLDING_ROUNDS)
+        > MAX_PATCH_VISITS
+    {
         return Grown::Unknown;
     }
     clear(problem);
     let mut island = Island::<L>::on_springs(problem, closed);
     let passes = passes();
-    let weight = SUBSTEP / (problem.dt * GROWING as f32);
-    for _ in 0..GROWING {
+    let weight = SUBSTEP / (problem.dt * GROWING_ROUNDS as f32);
+    for _ in 0..GROWING_ROUNDS {
         island.push(problem.bodies, weight);
         island.sweep_each(&passes);
     }
     let gravity = problem.gravity.length();
     let mut halfway = f32::INFINITY;
     let mut speed = f32::INFINITY;
-    for round in 1..=HOLDING {
+    for round in 1..=MAX_HOLDING_ROUNDS {
         island.sweep_each(&passes);
-        if round % LOOK == 0 {
+        if round % ROUNDS_PER_CHECK == 0 {
             speed = island.fastest(problem.bodies);
-            if speed <= RESTS * gravity {
+            if speed <= REST_TIME * gravity {
                 break;
             }
         }
-        if round == HOLDING / 2 {
+        if round == MAX_HOLDING_ROUNDS / 2 {
             halfway = speed;
         }
     }
     island.keep(problem, problem.dt / SUBSTEP);
-    match speed > GOES * gravity && speed > LOST * halfway {
+    match speed > MOVING_TIME * gravity && speed > LOST_SHARE * halfway {
         true => Grown::Go,
         false => Grown::Rest,
     }
@@ -103,9 +105,9 @@ fn clear(problem: &mut PatchProblem) {
 }
 
 /// The sweeps of a round.
-fn passes() -> [Pass; SWEEPS] {
+fn passes() -> [Pass; SWEEPS_PER_ROUND] {
     std::array::from_fn(|sweep| {
-        let soft = sweep < SOFT_SWEEPS;
+        let soft = sweep < SOFT_SWEEPS_PER_ROUND;
         Pass {
             soft,
             down: false,
@@ -114,7 +116,7 @@ fn passes() -> [Pass; SWEEPS] {
             preload: 0.0,
             drift: soft.then_some(SUBSTEP),
             // The last soft sweep and the rigid one share a substep.
-            extrapolates: sweep + 1 != SOFT_SWEEPS,
+            extrapolates: sweep + 1 != SOFT_SWEEPS_PER_ROUND,
         }
     })
 }
@@ -122,7 +124,7 @@ fn passes() -> [Pass; SWEEPS] {
 impl<L: F32xN> Island<L> {
     /// An island at rest and without weight. Points that are not open touch, and friction is anchored where they are.
     fn on_springs(problem: &PatchProblem, closed: f32) -> Self {
-        let rate = SWEEPS as f32 / (SOFT_SWEEPS as f32 * SUBSTEP);
+        let rate = SWEEPS_PER_ROUND as f32 / (SOFT_SWEEPS_PER_ROUND as f32 * SUBSTEP);
         let default = SoftStep::default();
         let spring = Spring {
             omega: TAU * rate / default.sweeps_per_period,

@@ -10,10 +10,10 @@ use glam::Vec3;
 use smallvec::SmallVec;
 
 /// Upper bound of visits to the supports of one body, which share its load.
-const VISITS: usize = 200;
+const MAX_VISITS: usize = 200;
 
 /// Visits end when they change less than this share of the body's new load or of its weight, whichever is larger.
-const SHARED: f32 = 1e-5;
+const SETTLED_SHARE: f32 = 1e-5;
 
 /// Which points carry loads, and which bodies need friction.
 #[derive(Clone, Copy)]
@@ -27,7 +27,7 @@ pub struct Limits {
 impl Limits {
     /// The limits for bodies at rest, which do not move by what is left.
     pub fn at_rest(self, problem: &PatchProblem) -> Self {
-        let still = SHARED * problem.gravity.length() * problem.dt;
+        let still = SETTLED_SHARE * problem.gravity.length() * problem.dt;
         Self { still, ..self }
     }
 }
@@ -318,7 +318,7 @@ fn share(
         if with_friction && motion.iter().all(|part| part.length() < still) {
             break;
         }
-        for _ in 0..VISITS {
+        for _ in 0..MAX_VISITS {
             let mut changed = 0f32;
             for foot in feet.iter_mut() {
                 changed = changed.max(foot.push(body, motion));
@@ -326,7 +326,7 @@ fn share(
                     changed = changed.max(foot.hold(problem, body, motion));
                 }
             }
-            if changed <= SHARED * pressed.abs().max(weight) {
+            if changed <= SETTLED_SHARE * pressed.abs().max(weight) {
                 break;
             }
         }

@@ -4,7 +4,7 @@
 //! Then the bodies under the feet hand it down. These may lie on another structure with joints, which passes it on to its own feet in the
 //! next round.
 
-use super::PUT;
+use super::MAX_PLACED_SPEED;
 use super::hand_down::{self, Limits};
 use crate::Both;
 use crate::lanes::{F32xN, cells};
@@ -18,10 +18,10 @@ use glam::Vec3;
 use std::f32::consts::TAU;
 
 /// Upper bound of rounds; as many structures may stand on each other.
-const ROUNDS: usize = 16;
+const MAX_ROUNDS: usize = 16;
 
 /// Rounds end when no foot changes by more than this share of the largest load.
-const SAME: f32 = 1e-5;
+const SETTLED_SHARE: f32 = 1e-5;
 
 /// Contacts between bodies with and without joints, on which structures stand that were just built.
 struct Feet {
@@ -61,7 +61,8 @@ impl Feet {
         }
         let stands = hand_down::standing(problem, closed, jointed);
         let bodies = problem.bodies.iter().zip(stands).zip(jointed);
-        let slow = |body: &Body| body.start[0].length_squared() <= PUT * PUT;
+        let slow =
+            |body: &Body| body.start[0].length_squared() <= MAX_PLACED_SPEED * MAX_PLACED_SPEED;
         let supports = bodies.map(|((body, stands), jointed)| stands && !jointed && slow(body));
         let supports: Vec<bool> = supports.collect();
         patches.retain(|foot| !moves(support(foot)) || supports[support(foot)]);
@@ -117,7 +118,7 @@ pub fn bear<L: F32xN>(problem: &mut PatchProblem, limits: Limits, jointed: &[boo
     let Some(feet) = Feet::find(problem, limits.closed, jointed) else {
         return false;
     };
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let mut before = Vec::new();
         for &(patch, _) in &feet.patches {
             for point in &mut problem.points[problem.patches[patch].range()] {
@@ -148,7 +149,7 @@ pub fn bear<L: F32xN>(problem: &mut PatchProblem, limits: Limits, jointed: &[boo
             }
             pressed[support] |= feet.supports[support];
         }
-        if changed <= SAME * largest {
+        if changed <= SETTLED_SHARE * largest {
             break;
         }
         hand_down::pass_on(problem, limits, pressed, motions);

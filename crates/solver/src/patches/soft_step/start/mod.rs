@@ -23,26 +23,26 @@ use grow::Grown;
 use hand_down::Limits;
 
 /// Upper bound of the speed of a body that was placed, m/s; a faster one was thrown.
-const PUT: f32 = 0.01;
+const MAX_PLACED_SPEED: f32 = 0.01;
 
 /// Upper bound of the speed of a body at rest, m/s: the bodies of a pile take up loads and leave them as they move.
-const RESTS: f32 = 0.001;
+const MAX_REST_SPEED: f32 = 0.001;
 
 /// Accuracy with which new bodies are placed at their rest position, m.
-const PLACED: f32 = 0.005;
+const PLACED_ACCURACY: f32 = 0.005;
 
 /// A structure is in balance if no body moves by more than this share of its motion under gravity. Rotations count on an arm of a metre.
-const BALANCED: f32 = 1e-3;
+const BALANCED_MOTION: f32 = 1e-3;
 
 /// A structure is still if no body moves by more than this share of its motion under gravity, and if a sweep changes no more than this
 /// share of what gravity changes.
-const STILL: f32 = 3e-4;
+const STILL_MOTION: f32 = 3e-4;
 
 /// Upper bound of sweeps back and forth that bring a structure to rest, per course.
-const SWEEPS_PER_COURSE: usize = 150;
+const MAX_SWEEPS_PER_COURSE: usize = 150;
 
 /// Upper bound of visits to patches in these sweeps: no step of a large structure that never comes to rest may take seconds.
-const PATCH_VISITS: usize = 1_000_000;
+const MAX_PATCH_VISITS: usize = 1_000_000;
 
 /// Bodies that stand on another one and carry nothing yet, or from which load was removed.
 struct New {
@@ -80,10 +80,11 @@ impl New {
         let bodies: Vec<[bool; 2]> = bodies
             .enumerate()
             .map(|(number, ((body, body_loads), stands))| {
-                let still = moves(&body) && stands && slower(body, PUT) && !is_jointed(number);
+                let still =
+                    moves(&body) && stands && slower(body, MAX_PLACED_SPEED) && !is_jointed(number);
                 [
                     still && !body_loads.carries,
-                    slower(body, RESTS) && still && unloaded(&(body, body_loads)),
+                    slower(body, MAX_REST_SPEED) && still && unloaded(&(body, body_loads)),
                 ]
             })
             .collect();
@@ -134,7 +135,7 @@ pub fn start_at_rest(problem: &mut PatchProblem, body_loads: &[BodyLoad]) -> Opt
     let limits = limits(problem).at_rest(problem);
     let new = New::find(problem, limits.closed, body_loads, &[])?;
     let search = load(problem, limits, &new)?;
-    if search.left <= STILL {
+    if search.left <= STILL_MOTION {
         hold(problem, &new.bodies);
         return None;
     }
@@ -146,7 +147,7 @@ fn limits(problem: &PatchProblem) -> Limits {
     // The distance that a body falls from rest in a step.
     let fallen = 0.5 * problem.gravity.length() * problem.dt * problem.dt;
     Limits {
-        closed: fallen.max(PLACED),
+        closed: fallen.max(PLACED_ACCURACY),
         still: 0.0,
     }
 }
@@ -176,13 +177,13 @@ pub struct Search {
 impl Search {
     /// Replaces the impulses and loads at rest by those that it finds.
     pub fn run<L: F32xN>(self, problem: &mut PatchProblem) {
-        let grown = match self.left <= BALANCED {
+        let grown = match self.left <= BALANCED_MOTION {
             true => Grown::Rest,
             false => grow::grow::<L>(problem, self.closed),
         };
         if grown != Grown::Go {
-            let most = PATCH_VISITS / problem.patches.len().max(1);
-            let most = most.min(SWEEPS_PER_COURSE * self.courses);
+            let most = MAX_PATCH_VISITS / problem.patches.len().max(1);
+            let most = most.min(MAX_SWEEPS_PER_COURSE * self.courses);
             statics::settle::<L>(problem, self.closed, most);
         }
     }

@@ -6,7 +6,7 @@
 //! that were handed down, or from those of a growing weight, and hardly changes these: of all the forces that statics allows, only those
 //! that follow from how bodies yield are real. Structures that stand without friction get none.
 
-use super::STILL;
+use super::STILL_MOTION;
 use crate::PatchProblem;
 use crate::lanes::{F32xN, Kernel, State, cells};
 use crate::patches::soft_step::contact::kinds::Rigid;
@@ -122,7 +122,7 @@ impl<L: F32xN> Kernel for Settle<'_, L> {
             let mut step = Impulses::of(island);
             step.add(-1.0, &before);
             let energy = step.energy(island);
-            if energy <= STILL * STILL * self.free {
+            if energy <= STILL_MOTION * STILL_MOTION * self.free {
                 break;
             }
             let beta = energy / last;

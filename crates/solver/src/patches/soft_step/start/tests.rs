@@ -114,7 +114,7 @@ fn a_wall_at_rest_needs_no_search() {
     let mut wall = Masonry::wall(20, 10, 0.0);
     assert!(wall.start_at_rest());
     wall.is_at_rest();
-    assert!(wall.unbalanced() < STILL);
+    assert!(wall.unbalanced() < STILL_MOTION);
     assert!(!Masonry::arch(15, 0.0).start_at_rest());
 }
 

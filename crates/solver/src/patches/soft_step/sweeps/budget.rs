@@ -9,10 +9,10 @@ use super::load_statistics::{BodyLoad, LoadStatistics};
 use crate::PatchProblem;
 use crate::patches::soft_step::SoftStep;
 
-/// Number of substeps per rigid sweep: the usual one, and the one for at least [`TALL`] courses. Soft sweeps let disturbances grow from
-/// course to course: a pyramid of 100 trembles by 50 mm/s with three, and one of 50 by 2; of 20 it is steadier with three.
+/// Number of substeps per rigid sweep: the usual one, and the one for at least [`TALL_COURSES`] courses. Soft sweeps let disturbances grow
+/// from course to course: a pyramid of 100 trembles by 50 mm/s with three, and one of 50 by 2; of 20 it is steadier with three.
 const SUBSTEPS_PER_RIGID_SWEEP: usize = 3;
-const TALL: usize = 40;
+const TALL_COURSES: usize = 40;
 const SUBSTEPS_PER_RIGID_SWEEP_IF_TALL: usize = 2;
 
 /// Number of courses from which on rigid sweeps go down.
@@ -22,30 +22,30 @@ const SUBSTEPS_PER_RIGID_SWEEP_IF_TALL: usize = 2;
 /// 120 courses) by e¹¹ and e²⁶ before it leaves, so that rounding lets a tower of planks of 60 layers tremble by 11 mm/s. A sweep down
 /// before the next substep limits this growth to e¹ and e¹·⁵. Walls of 50 courses are steady without it, and only sweeps that go up can be
 /// pipelined.
-const VERY_TALL: usize = 52;
+const VERY_TALL_COURSES: usize = 52;
 
 /// Contacts per body from which on rigid sweeps may go down. Nothing grows in a single column, which stands better with sweeps that go up.
-const BRANCHED: f32 = 1.5;
+const BRANCHED_CONTACTS: f32 = 1.5;
 
 /// The smallest frequency of springs, Hz, as a factor of courses · √(load / (mass · size)), SI units. With it a column of 100 cubes under a
 /// noise of ±2 mm stands, now that it starts in equilibrium; before, it needed twice as much.
-const STABLE: f32 = 0.02;
+const STABLE_FREQUENCY: f32 = 0.02;
 
 /// Structures with fewer courses count as having this many: a cube under a thousand of its weight needs as much as a tower.
-const FEW: f32 = 24.0;
+const MIN_COURSES: f32 = 24.0;
 
 /// Additional sweeps for structures that are not settled, as a share of the usual rate.
-const UNSETTLED: f32 = 0.5;
+const UNSETTLED_SWEEPS: f32 = 0.5;
 
 /// Share of new load from which on a structure counts as fully unsettled. Piles of round bodies always do, since they have no loads at
 /// rest. When a tenth more did not count yet, arches slid 3 % before their limits.
-const NEW: f32 = 0.25;
+const NEW_LOAD_SHARE: f32 = 0.25;
 
 /// Upper bound of the rate of sweeps, as a factor of the usual rate.
-const MOST: f32 = 4.0;
+const MAX_RATE_FACTOR: f32 = 4.0;
 
 /// A step gets another round only if it is longer by more than this share of a round.
-const A_LITTLE: f32 = 0.1;
+const ROUND_SLACK: f32 = 0.1;
 
 /// The sweeps of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +65,7 @@ pub struct SweepBudget {
 }
 
 impl SweepBudget {
-    /// What decides which sweeps follow each other: all but the rate. Equal plans have equal sweeps.
+    /// The parts of the budget that decide which sweeps follow each other: all but the rate. Equal plans have equal sweeps.
     pub fn plan(&self) -> (usize, usize, bool) {
         (self.substeps, self.substeps_per_rigid_sweep, self.downwards)
     }
@@ -80,26 +80,26 @@ impl SweepBudget {
         find_courses(problem, body_loads, courses);
         let courses = &*courses;
         let bodies: usize = courses.iter().map(|course| course.bodies).sum();
-        let downwards =
-            courses.len() >= VERY_TALL && problem.patches.len() as f32 > BRANCHED * bodies as f32;
+        let downwards = courses.len() >= VERY_TALL_COURSES
+            && problem.patches.len() as f32 > BRANCHED_CONTACTS * bodies as f32;
         // Joints are solved directly, however many bodies hang on each other.
         let hangs = problem.patches.is_empty() && !problem.joints.is_empty();
         let soft = match courses.len() {
-            TALL.. if !downwards && !hangs => SUBSTEPS_PER_RIGID_SWEEP_IF_TALL,
+            TALL_COURSES.. if !downwards && !hangs => SUBSTEPS_PER_RIGID_SWEEP_IF_TALL,
             _ => SUBSTEPS_PER_RIGID_SWEEP,
         };
         let round = soft + 1;
         let usual = round as f32 / (soft as f32 * settings.max_substep);
-        let most = MOST * usual;
+        let most = MAX_RATE_FACTOR * usual;
         let &LoadStatistics {
             unsettled, pressed, ..
         } = statistics;
-        let usual = usual * (1.0 + UNSETTLED * (unsettled / NEW).min(1.0));
+        let usual = usual * (1.0 + UNSETTLED_SWEEPS * (unsettled / NEW_LOAD_SHARE).min(1.0));
         let rate = (settings.sweeps_per_period * stable(problem, courses, pressed))
             .clamp(usual, most)
             * problem.effort;
         let sweeps = |seconds: f32| {
-            let rounds = (rate * seconds / round as f32 - A_LITTLE).ceil() as usize;
+            let rounds = (rate * seconds / round as f32 - ROUND_SLACK).ceil() as usize;
             (rounds * round)
                 .max(settings.min_sweeps)
                 .min(settings.max_sweeps)
@@ -136,7 +136,7 @@ fn stable(problem: &PatchProblem, courses: &[Course], pressed: f32) -> f32 {
         let load = problem.gravity.length() * above / course.bodies.max(1) as f32;
         most = most.max(load * course.yielding);
     }
-    STABLE * FEW.max(courses.len() as f32) * most.sqrt()
+    STABLE_FREQUENCY * MIN_COURSES.max(courses.len() as f32) * most.sqrt()
 }
 
 /// The bodies of one level of support.

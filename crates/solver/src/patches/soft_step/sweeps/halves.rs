@@ -5,7 +5,7 @@ use crate::lanes::F32xN;
 use crate::patches::soft_step::contact::block::{Block, Points};
 
 /// A part of at most this many blocks is not halved.
-const GRAIN: usize = 64;
+const MIN_BLOCKS: usize = 64;
 
 /// Consecutive blocks with their points, and one result for each block.
 pub struct Part<'a, L: F32xN, T> {
@@ -19,7 +19,7 @@ pub struct Part<'a, L: F32xN, T> {
 impl<L: F32xN, T: Send> Part<'_, L, T> {
     /// Runs `work` on the whole part, with halves in parallel if there are threads for them.
     pub fn each(self, threads: usize, work: &(impl Fn(Part<L, T>) + Sync)) {
-        if threads == 1 || self.blocks.len() <= GRAIN {
+        if threads == 1 || self.blocks.len() <= MIN_BLOCKS {
             work(self);
         } else {
             let (one, other) = self.halve();

@@ -1,12 +1,14 @@
 //! Which contacts a sweep visits, and when.
 //!
-//! A sweep visits every contact once. [`budget`] finds how many sweeps a step needs, [`plan`] their order, [`layout`] which contacts lie side
-//! by side in a block. Then sweeps run [one by one](one_by_one), or overlap: several in the lanes of one block ([`skewed`]), or one behind
-//! the other through the blocks ([`pipeline`]). All of these ways give the same result, to the bit. [`quiet`] leaves out sweeps that would
-//! change nothing.
+//! A sweep visits every contact once. [`budget`] finds how many sweeps a step needs, [`plan`] their order, [`layout`] which contacts lie
+//! side by side in a block. Then sweeps run [one by one](one_by_one), or overlap: several in the lanes of one block ([`skewed`]), or one
+//! behind the other through the blocks ([`pipeline`]). All of these ways give the same result, to the bit. [`quiet`] leaves out sweeps that
+//! would change nothing.
 
 pub mod budget;
+pub mod following;
 pub mod halves;
+mod handed;
 pub mod layout;
 pub mod load_statistics;
 mod one_by_one;

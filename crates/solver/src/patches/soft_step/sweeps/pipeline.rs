@@ -7,8 +7,8 @@
 //! Blocks stand in waves ([`batches`](crate::batches)), so that the next sweep follows one wave behind. Grabs are visited with the
 //! block before which they stand ([`edges`](crate::patches::soft_step::grabs::places)), and that block counts their bodies as its own.
 //!
-//! On one thread, the first sweeps of a step follow the refresh and the warm start of blocks in the same way ([`Following`]), so that
-//! blocks are read from memory once for all of these.
+//! On one thread, the first sweeps of a step follow the refresh and the warm start of blocks in the same way
+//! ([`following`](super::following)).
 //!
 //! Sweeps form groups, and those of one group follow each other on one thread: one sweep per thread would move every block from cache to
 //! cache in every sweep. A thread *claims* the next group from a counter. So a thread that waits for the previous group waits for one that
@@ -22,6 +22,7 @@
     reason = "items go from thread to thread as sweeps pass them"
 )]
 
+use super::handed::Handed;
 use crate::PatchProblem;
 use crate::batches::Batches;
 use crate::grab::ActiveGrab;
@@ -34,25 +35,22 @@ use crate::patches::soft_step::grabs::places::EdgePlaces;
 use crate::patches::soft_step::island::Island;
 use crate::rounds::RoundEnds;
 use crate::sort;
-use smallvec::SmallVec;
-use std::cell::Cell;
-use std::marker::PhantomData;
 use std::sync::atomic::{AtomicUsize, Ordering::*};
 
 /// Sweeps in a group. Each thread gets two groups, so that all threads work until the end, and the window of blocks of a group fits a
 /// cache.
-const SWEEPS: std::ops::RangeInclusive<usize> = 2..=6;
+const GROUP_SWEEPS: std::ops::RangeInclusive<usize> = 2..=6;
 
 /// Distance between groups, bytes of blocks. Data that a thread has just written is in the cache of its core alone, and reading it from
 /// there takes longer than reading it later. Two threads that followed closely both took half as long again, and in blocks that fit the
 /// caches of two cores nothing was gained.
-const APART: usize = 2 << 20;
+const GROUP_DISTANCE: usize = 2 << 20;
 
 /// Size of all blocks from which on sweeps follow each other on one thread too, bytes: each sweep would read all blocks from memory.
-const LARGE: usize = 12 << 20;
+const CACHE_SIZE: usize = 12 << 20;
 
 /// Number of blocks that a sweep visits before the next sweep of the group continues.
-const TURN: usize = 32;
+const BLOCKS_AT_A_TIME: usize = 32;
 
 /// The dependencies of blocks, found once for the blocks of an island.
 #[derive(Default)]
@@ -71,11 +69,11 @@ pub struct Pipeline {
 /// The distribution of sweeps over threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shares {
-    threads: usize,
+    pub(super) threads: usize,
     /// Sweeps in a group.
-    group: usize,
+    pub(super) group: usize,
     /// Blocks between groups.
-    apart: usize,
+    pub(super) apart: usize,
 }
 
 /// The data that sweeps read and change.
@@ -93,7 +91,7 @@ pub struct Work<'a, L: F32xN> {
 
 /// Returns true if sweeps over `bytes` bytes of blocks may be faster if they follow each other.
 pub fn is_worthwhile(threads: usize, bytes: usize) -> bool {
-    threads > 1 || bytes > LARGE
+    threads > 1 || bytes > CACHE_SIZE
 }
 
 impl Pipeline {
@@ -158,17 +156,17 @@ impl Pipeline {
     /// The distribution of these sweeps over at most `threads` threads, for blocks of `bytes` bytes in all; none if it is as fast to take
     /// one after the other.
     pub fn share(&self, threads: usize, sweeps: usize, bytes: usize) -> Option<Shares> {
-        if sweeps < *SWEEPS.start() {
+        if sweeps < *GROUP_SWEEPS.start() {
             return None;
         }
         let blocks = self.reach.len();
-        let apart = APART * blocks / bytes.max(1);
-        let least = if bytes > LARGE { 1 } else { 2 };
+        let apart = GROUP_DISTANCE * blocks / bytes.max(1);
+        let least = if bytes > CACHE_SIZE { 1 } else { 2 };
         (least..=threads).rev().find_map(|threads| {
             let groups = if threads > 1 { 2 * threads } else { 1 };
             let group = sweeps.div_ceil(groups);
-            let group = group.clamp(*SWEEPS.start(), *SWEEPS.end());
-            let window = group * self.lag.max(TURN);
+            let group = group.clamp(*GROUP_SWEEPS.start(), *GROUP_SWEEPS.end());
+            let window = group * self.lag.max(BLOCKS_AT_A_TIME);
             let needed = threads * window + (threads - 1) * apart;
             (needed <= blocks).then_some(Shares {
                 threads,
@@ -188,7 +186,7 @@ impl Pipeline {
     ) {
         if shares.threads == 1 {
             for passes in passes.chunks(shares.group) {
-                let mut changes = [L::ZERO; MOST];
+                let mut changes = [L::ZERO; MAX_GROUP_SWEEPS];
                 let groups = [Group::new(passes, &mut changes[..passes.len()])];
                 L::run(PipelinedSweeps {
                     shared: &Shared::new(self, &mut work, &groups, shares),
@@ -239,47 +237,8 @@ impl Pipeline {
     }
 }
 
-/// A slice whose items threads pass to each other.
-struct Handed<'a, T> {
-    first: *mut T,
-    count: usize,
-    of: PhantomData<&'a mut [T]>,
-}
-
-// SAFETY: the owner has lent the slice, and threads access its items only in the way that `PipelinedSweeps` describes.
-unsafe impl<T: Send> Sync for Handed<'_, T> {}
-unsafe impl<T: Send> Send for Handed<'_, T> {}
-
-impl<'a, T> Handed<'a, T> {
-    fn new(items: &'a mut [T]) -> Self {
-        Self {
-            first: items.as_mut_ptr(),
-            count: items.len(),
-            of: PhantomData,
-        }
-    }
-
-    /// # Safety
-    /// Nothing else may access these items during the lifetime of the reference.
-    #[inline(always)]
-    #[expect(clippy::mut_from_ref, reason = "the caller answers for it")]
-    unsafe fn range(&self, first: usize, end: usize) -> &mut [T] {
-        assert!(first <= end && end <= self.count);
-        // SAFETY: the range is in bounds, and the caller ensures exclusive access.
-        unsafe { std::slice::from_raw_parts_mut(self.first.add(first), end - first) }
-    }
-
-    /// # Safety
-    /// Nothing else may write to an item while it is read, or access it while it is written to.
-    #[inline(always)]
-    unsafe fn cells(&self) -> &[Cell<T>] {
-        // SAFETY: a cell has the layout of its content; the caller ensures that accesses do not race.
-        unsafe { std::slice::from_raw_parts(self.first.cast(), self.count) }
-    }
-}
-
 /// Sweeps that follow each other on one thread.
-struct Group<'a, L> {
+pub(super) struct Group<'a, L> {
     passes: &'a [Pass],
     changes: Handed<'a, L>,
     /// Number of blocks that its last sweep has passed.
@@ -296,7 +255,7 @@ impl<'a, L> Group<'a, L> {
     }
 }
 
-struct Shared<'a, L: F32xN> {
+pub(super) struct Shared<'a, L: F32xN> {
     pipeline: &'a Pipeline,
     blocks: Handed<'a, Block<L>>,
     points: Handed<'a, Points<L>>,
@@ -311,7 +270,7 @@ struct Shared<'a, L: F32xN> {
 }
 
 impl<'a, L: F32xN> Shared<'a, L> {
-    fn new(
+    pub(super) fn new(
         pipeline: &'a Pipeline,
         work: &'a mut Work<L>,
         groups: &'a [Group<'a, L>],
@@ -337,10 +296,10 @@ impl<'a, L: F32xN> Shared<'a, L> {
 ///
 /// Its sweeps access a block, its points, its grabs and its moving bodies only after the sweep before is past the block's reach. So no
 /// other thread accesses any of them at that time, nor until this sweep has passed them, which the counter tells the next group.
-struct PipelinedSweeps<'a, 'b, L: F32xN> {
-    shared: &'b Shared<'a, L>,
-    number: usize,
-    delay: &'b dyn Fn(),
+pub(super) struct PipelinedSweeps<'a, 'b, L: F32xN> {
+    pub(super) shared: &'b Shared<'a, L>,
+    pub(super) number: usize,
+    pub(super) delay: &'b dyn Fn(),
 }
 
 /// Ends the wait of other threads if this one panics.
@@ -366,7 +325,7 @@ impl<L: F32xN> Kernel for PipelinedSweeps<'_, '_, L> {
         let passes = group.passes;
         // SAFETY: these items belong to this group, and one thread claims it.
         let changes = unsafe { group.changes.range(0, passes.len()) };
-        let mut at = [0usize; MOST];
+        let mut at = [0usize; MAX_GROUP_SWEEPS];
         let mut idle = 0u32;
         while at[passes.len() - 1] < blocks {
             let past = match self.number.checked_sub(1) {
@@ -380,7 +339,7 @@ impl<L: F32xN> Kernel for PipelinedSweeps<'_, '_, L> {
             (self.delay)();
             if at != was {
                 idle = 0;
-            } else if idle < PATIENCE {
+            } else if idle < MAX_SPINS {
                 idle += 1;
                 std::hint::spin_loop();
             } else {
@@ -426,105 +385,31 @@ impl<L: F32xN> Island<L> {
     }
 }
 
-/// Sweeps on one thread that follow other work through the blocks. That work goes from the first block to the last.
-pub struct Following<'a, L: F32xN> {
-    pipeline: &'a Pipeline,
-    passes: &'a [Pass],
-    /// By sweep: number of blocks that it has passed.
-    at: [usize; MOST],
-    changes: [L; MOST],
-}
-
-impl<'a, L: F32xN> Following<'a, L> {
-    /// As many of these sweeps as may follow the work together; none if it is as fast to take them after it. `bytes` is the size of all
-    /// blocks.
-    pub fn new(pipeline: &'a Pipeline, passes: &'a [Pass], bytes: usize) -> Option<Self> {
-        let shares = pipeline.share(1, passes.len(), bytes)?;
-        Some(Self {
-            pipeline,
-            passes: &passes[..shares.group.min(passes.len())],
-            at: [0; MOST],
-            changes: [L::ZERO; MOST],
-        })
-    }
-
-    /// Lets the sweeps go on as far as they may, once the work has passed so many blocks.
-    pub fn follow(&mut self, mut work: Work<L>, past: usize) {
-        let shares = Shares {
-            threads: 1,
-            group: self.passes.len(),
-            apart: 0,
-        };
-        let pipeline = self.pipeline;
-        L::run(Follow {
-            sweeps: PipelinedSweeps {
-                shared: &Shared::new(pipeline, &mut work, &[], shares),
-                number: 0,
-                delay: &|| (),
-            },
-            following: self,
-            past,
-        });
-    }
-
-    /// Σ W Δλ² of each sweep, J.
-    pub fn changes(&self) -> SmallVec<[f32; 8]> {
-        let mut sums = SmallVec::new();
-        for change in &self.changes[..self.passes.len()] {
-            sums.push(change.sum());
-        }
-        sums
-    }
-}
-
-/// The visits of sweeps that follow work which has passed `past` blocks.
-struct Follow<'a, 'b, 'c, L: F32xN> {
-    sweeps: PipelinedSweeps<'a, 'b, L>,
-    following: &'b mut Following<'c, L>,
-    past: usize,
-}
-
-impl<L: F32xN> Kernel for Follow<'_, '_, '_, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Following {
-            passes,
-            at,
-            changes,
-            ..
-        } = self.following;
-        loop {
-            let was = *at;
-            self.sweeps
-                .turn(passes, at, &mut changes[..passes.len()], self.past);
-            if *at == was {
-                break;
-            }
-        }
-    }
-}
-
 /// Number of spins before a waiting thread yields the processor.
-const PATIENCE: u32 = 1000;
+const MAX_SPINS: u32 = 1000;
 
 /// Upper bound of sweeps in a group.
-const MOST: usize = 8;
+pub(super) const MAX_GROUP_SWEEPS: usize = 8;
 
 impl<L: F32xN> PipelinedSweeps<'_, '_, L> {
     /// Each sweep visits some more blocks behind the one before it, the first behind whatever has passed so many blocks.
     #[inline(always)]
-    fn turn(&self, passes: &[Pass], at: &mut [usize; MOST], changes: &mut [L], mut past: usize) {
+    pub(super) fn turn(
+        &self,
+        passes: &[Pass],
+        at: &mut [usize; MAX_GROUP_SWEEPS],
+        changes: &mut [L],
+        mut past: usize,
+    ) {
         let pipeline = self.shared.pipeline;
         let blocks = pipeline.reach.len();
         let mut sweep = 0;
         while sweep < passes.len() {
-            // What has ended holds back no block.
+            // A sweep that has ended holds back no block.
             if past == blocks {
                 past = usize::MAX;
             }
-            let end = (at[sweep] + TURN).min(blocks);
+            let end = (at[sweep] + BLOCKS_AT_A_TIME).min(blocks);
             let mut block = at[sweep];
             let mut change = changes[sweep];
             let pass = &passes[sweep];

@@ -6,7 +6,10 @@
 //! body come in the same order as in sweeps one after the other: those of one lap because the turn keeps their order, those of two laps
 //! because a lap is at least as long as the distance between the first and the last contact of a body. The work on a body between two
 //! sweeps is done right after the last block that holds it. Grabs stand before a block, in one of its laps
-//! ([`edges`](crate::patches::soft_step::grabs::places)). So the result is that of sweeps one after the other, to the bit.
+//! ([`places`](crate::patches::soft_step::grabs::places)). So the result is that of sweeps one after the other, to the bit.
+//!
+//! Without skewing, a stack of 20 takes 1.3 times as long, a tower of 40 layers 1.8 times, 50 dominoes 1.15 times. Walls and heaps take the
+//! same time.
 
 use crate::PatchProblem;
 use crate::batches::Batches;
@@ -29,10 +32,10 @@ pub struct SkewedSweeps {
 }
 
 /// By lap: the pass that it is in; none if it is idle.
-type AtWork<'a> = [Option<&'a Pass>; MOST];
+type AtWork<'a> = [Option<&'a Pass>; MAX_LAPS];
 
 /// Upper bound of laps: one lane each.
-const MOST: usize = 8;
+const MAX_LAPS: usize = 8;
 
 /// A body, and the lap of the last of its contacts.
 #[derive(Clone, Copy)]
@@ -100,7 +103,7 @@ impl<L: F32xN> Island<L> {
         skewed.changes.clear();
         skewed.changes.resize(passes.len(), 0.0);
         for turn in 0..passes.len() + self.batches.laps() - 1 {
-            let mut at_work = [None; MOST];
+            let mut at_work = [None; MAX_LAPS];
             for (lap, pass) in at_work.iter_mut().take(self.batches.laps()).enumerate() {
                 *pass = sweep_of(lap, turn, passes).map(|sweep| &passes[sweep]);
             }
@@ -120,7 +123,7 @@ impl<L: F32xN> Island<L> {
     }
 
     /// Visits each block once. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of grabs by lap.
-    fn visit_all(&mut self, skewed: &SkewedSweeps, passes: &AtWork) -> (L, [f32; MOST]) {
+    fn visit_all(&mut self, skewed: &SkewedSweeps, passes: &AtWork) -> (L, [f32; MAX_LAPS]) {
         let mine = &passes[..self.batches.laps()];
         let all = |is: fn(&Pass) -> bool| mine.iter().all(|pass| pass.is_some_and(is));
         if all(|pass| !pass.soft) {
@@ -143,7 +146,7 @@ impl<L: F32xN> Island<L> {
         skewed: &SkewedSweeps,
         passes: &AtWork,
         kinds: K,
-    ) -> (L, [f32; MOST]) {
+    ) -> (L, [f32; MAX_LAPS]) {
         L::run(Visits {
             island: self,
             skewed,
@@ -162,10 +165,10 @@ struct Visits<'a, L: F32xN, K> {
 }
 
 impl<L: F32xN, K: Kinds<L>> Kernel for Visits<'_, L, K> {
-    type Output = (L, [f32; MOST]);
+    type Output = (L, [f32; MAX_LAPS]);
 
     #[inline(always)]
-    fn run(self) -> (L, [f32; MOST]) {
+    fn run(self) -> (L, [f32; MAX_LAPS]) {
         let Island {
             blocks,
             points,
@@ -181,10 +184,10 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Visits<'_, L, K> {
         let [velocities, before, motions] = states;
         // The passes differ only in the kinds of their lanes and in the work after visits, so any of them will do.
         let Some(any) = self.passes.iter().flatten().next() else {
-            return (L::ZERO, [0.0; MOST]);
+            return (L::ZERO, [0.0; MAX_LAPS]);
         };
         let mut change = L::ZERO;
-        let mut held = [0.0; MOST];
+        let mut held = [0.0; MAX_LAPS];
         let groups = grab_places.places.groups();
         let mut group = 0;
         for (number, block) in blocks.iter_mut().enumerate() {

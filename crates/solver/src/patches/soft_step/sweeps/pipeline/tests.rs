@@ -42,7 +42,7 @@ fn equal<L: F32xN>(masonry: Masonry, batches: fn(usize, &PatchProblem) -> Batche
     let pool = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     for threads in [1, 2, 3, 8] {
         let pool = pool(threads).unwrap();
-        for group in [1, 2, 3, MOST] {
+        for group in [1, 2, 3, MAX_GROUP_SWEEPS] {
             for seed in 0..3 {
                 let (mut island, passes) = started::<L>(&problem, batches(L::LANES, &problem));
                 let pipeline = island.find_pipeline(&problem);
@@ -145,7 +145,7 @@ fn sweeps_that_follow_the_start_are_sweeps_after_it() {
         let expected: Vec<f32> = sweeps.iter().map(|pass| after.sweep_alone(pass)).collect();
         let (mut island, _, spring) = placed::<F32x4>(&problem, blocks());
         let pipeline = island.find_pipeline(&problem);
-        let mut following = Following::new(&pipeline, sweeps, LARGE + 1).unwrap();
+        let mut following = Following::new(&pipeline, sweeps, CACHE_SIZE + 1).unwrap();
         let mut follow = |island: &mut Island<F32x4>, past: usize| {
             following.follow(island.work(), past);
         };
@@ -172,8 +172,8 @@ fn a_long_wall_gains_by_threads_and_one_that_fits_their_caches_does_not() {
     assert_eq!((shares.threads, shares.group), (2, sweeps.div_ceil(4)));
     assert_eq!(pipeline.share(1, sweeps, island.bytes()), None);
     // The same wall with blocks that fit no cache.
-    let shares = pipeline.share(1, 3, LARGE + 1).unwrap();
+    let shares = pipeline.share(1, 3, CACHE_SIZE + 1).unwrap();
     assert_eq!((shares.threads, shares.group), (1, 3));
-    assert_eq!(pipeline.share(1, 1, LARGE + 1), None);
-    assert_eq!(pipeline.share(2, sweeps, APART), None);
+    assert_eq!(pipeline.share(1, 1, CACHE_SIZE + 1), None);
+    assert_eq!(pipeline.share(2, sweeps, GROUP_DISTANCE), None);
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::patches::soft_step::sweeps::following::Following;
 use crate::Memory;
 use crate::batches::Batches;
 use crate::lanes::F32x4;

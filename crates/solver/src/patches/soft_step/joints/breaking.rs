@@ -9,8 +9,9 @@
 //! The filtered stress outlasts the relief, and the stress of a single substep may be that of a blow. Only if both exceed the strength, the
 //! patch breaks.
 
+use super::Joints;
+use super::log::Log;
 use super::row::JointRow;
-use super::{Joints, Log};
 use crate::joint::{MortarFailure, Section, Utilization};
 use glam::Vec3;
 

@@ -1,5 +1,4 @@
 use super::*;
-use crate::patches::soft_step::sweeps::following::Following;
 use crate::Memory;
 use crate::batches::Batches;
 use crate::lanes::F32x4;
@@ -8,6 +7,7 @@ use crate::lanes::F32x8;
 use crate::patches::PatchProblem;
 use crate::patches::soft_step::island::Island;
 use crate::patches::soft_step::masonry::{Masonry, SUBSTEPS, placed, started};
+use crate::patches::soft_step::sweeps::following::Following;
 use crate::patches::soft_step::sweeps::layout::{batches, skewed};
 use std::time::Duration;
 

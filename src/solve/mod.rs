@@ -26,7 +26,6 @@ use crate::body::{ActiveBodies, BodyTable, Velocity, limits};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
 use crate::mortar::BrokenMortar;
-use crate::pair::{ContactImpulses, Manifold};
 use crate::profile::SolvePart;
 use crate::settings::{Columns, Method};
 use crate::solver::{Body, join::join, sort};

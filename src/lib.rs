@@ -184,10 +184,10 @@ pub mod prelude {
     pub use crate::diagnosis::{BodyError, StepError};
     pub use crate::grab::{Grab, GrabForce, Hand, HandPlugin, HandState, HeldBy};
     pub use crate::joint::{
-        BreakForce, DistanceJoint, FixedJoint, GenericJoint, JointAnchor, JointAxes, JointBasis,
-        JointBroke, JointDisabled, JointError, JointForces, JointFrame, JointLimits, JointMotor,
-        Joints, PrismaticJoint, QuarantinedJoint, RevoluteJoint, SphericalJoint, SpringJoint,
+        BreakForce, JointAnchor, JointBasis, JointBroke, JointDisabled, JointError, JointForces,
+        JointFrame, JointLimits, JointMotor, Joints, QuarantinedJoint,
     };
+    pub use crate::joint_types::types::*;
     pub use crate::mortar::{Mortar, MortarBroke, MortarFailure, MortarJoint};
     pub use crate::preview::{
         Edit, Moved, Preview, PreviewError, PreviewSettings, Previews, Shadow, preview,

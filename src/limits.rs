@@ -1,5 +1,5 @@
-//! Limits of the numbers of a body and of a step. Input beyond them is an error ([`BodyProblem`](crate::diagnosis::BodyProblem)) and quarantines the
-//! body: single precision cannot compute with such numbers, and they would spread to other bodies.
+//! Limits of the numbers of a body and of a step. Input beyond them is an error ([`BodyProblem`](crate::diagnosis::BodyProblem)) and
+//! quarantines the body: single precision cannot compute with such numbers, and they would spread to other bodies.
 //!
 //! These limits bound the numbers that can be simulated. The practical maximum speed of a body is a setting,
 //! [`SpeedLimits`](crate::settings::SpeedLimits).

@@ -14,7 +14,7 @@ use crate::collapse::{Collapse, CollapseEnded};
 use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
 use crate::joint::JointBroke;
-use crate::joint_types::{JointAxes, JointError};
+use crate::joint_types::{JointError, types::JointAxes};
 use crate::masonry::Laid;
 use crate::mortar::MortarBroke;
 use crate::query::{Ground, MoveAndSlide};

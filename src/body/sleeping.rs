@@ -29,7 +29,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// | its surface, and what it collides with | `Friction`, `Restitution`, `RollingFriction`, `SurfaceVelocity`, `CollisionLayers`, `CollisionExceptions`, `ActiveContactHooks`, the resource `ContactHooks` |
 /// | how it is solved | `LockedAxes`, `Dominance`, `MaxLinearSpeed`, `MaxAngularSpeed`, `SolverEffort` |
 /// | whether a body beside it takes part | `RigidBodyDisabled`, `Disabled`, `Quarantined`; it is despawned |
-/// | joints | `FixedJoint`, `RevoluteJoint`, `PrismaticJoint`, `SphericalJoint`, `DistanceJoint`, `SpringJoint`, `GenericJoint`, `BreakForce`, `JointDisabled`, `Mortar`, `MortarJoint` |
+/// | joints | every [type of joint](crate::joint), `BreakForce`, `JointDisabled`, `Mortar`, `MortarJoint` |
 /// | settings, for all bodies | `Gravity`, `SolverSettings`, `StabilizationSettings`, `NarrowphaseSettings`, `SleepSettings`, `SpeedLimits` |
 ///
 /// Bodies that awake ones touch wake as [`Waking`](crate::settings::Waking) says. Edits of the [contacts](crate::contact::ContactPair) of

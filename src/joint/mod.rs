@@ -6,6 +6,7 @@
 //! | hold two bodies together | [`FixedJoint`] |
 //! | hang a door, turn a wheel | [`RevoluteJoint`] |
 //! | slide a lift or a drawer | [`PrismaticJoint`] |
+//! | slide a bolt that also turns | [`CylindricalJoint`] |
 //! | link a chain, let a pendulum swing | [`SphericalJoint`] |
 //! | tie with a rope, keep apart with a rod | [`DistanceJoint`] |
 //! | connect with a spring | [`SpringJoint`] |
@@ -67,11 +68,10 @@ mod query;
 
 #[doc(hidden)]
 pub use crate::joint_types::JointChanges;
+pub use crate::joint_types::types::*;
 pub use crate::joint_types::{
-    BreakForce, DistanceJoint, FixedJoint, GenericJoint, JointAnchor, JointAxes, JointAxis,
-    JointBasis, JointDisabled, JointEdge, JointError, JointForces, JointFrame, JointLimits,
-    JointMotor, JointProblem, PrismaticJoint, QuarantinedJoint, RevoluteJoint, SphericalJoint,
-    SpringJoint,
+    BreakForce, JointAnchor, JointAxis, JointBasis, JointDisabled, JointEdge, JointError,
+    JointForces, JointFrame, JointLimits, JointMotor, JointProblem, QuarantinedJoint,
 };
 pub(crate) use events::trigger;
 #[doc(hidden)]

@@ -9,7 +9,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 use std::f32::consts::PI;
 
-/// The bodies and frames of a joint. [`joint_builder`](super::builder) implements it for every type.
+/// The bodies and frames of a joint. `joint_ends` implements it for every type.
 pub(crate) trait JointEnds {
     /// A joint between the bodies, at the frames, that locks everything.
     fn locked(&self) -> JointDefinition;

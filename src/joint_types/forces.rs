@@ -46,13 +46,13 @@ pub struct JointForces {
 }
 
 impl JointForces {
-    /// The angle of a [`RevoluteJoint`](super::RevoluteJoint) or the twist of a [`SphericalJoint`](super::SphericalJoint) at the end of the
+    /// The angle of a [`RevoluteJoint`](crate::joint::RevoluteJoint) or the twist of a [`SphericalJoint`](crate::joint::SphericalJoint) at the end of the
     /// last step, rad, with all its turns. See [`angles`](Self::angles).
     pub fn angle(&self) -> Option<f32> {
         self.angles.map(|angles| angles.x)
     }
 
-    /// The rotation of a [`GenericJoint`](super::GenericJoint) about its three axes at the end of the last step, rad. The angle that counts
+    /// The rotation of a [`GenericJoint`](crate::joint::GenericJoint) about its three axes at the end of the last step, rad. The angle that counts
     /// turns comes with all of them, the others are zero then.
     ///
     /// `None` before the first step, and of joints whose rotations are all locked, or free about several axes without a limit, motor or
@@ -86,7 +86,7 @@ impl JointForces {
     }
 }
 
-/// Makes a joint break when its force or torque exceeds a maximum: [`JointBroke`] is sent, and the joint gets
+/// Makes a joint break when its force or torque exceeds a maximum: [`JointBroke`](crate::joint::JointBroke) is sent, and the joint gets
 /// [`JointDisabled`](super::JointDisabled). Remove that component to mend it.
 ///
 /// Forces are filtered, so that a joint breaks at the same load whatever the length of a step is, and not by a blow that lasts a substep.

@@ -1,12 +1,10 @@
-//! The list of joint types. To add a type, write its component in a file of its own, and add its name here.
-//!
-//! From the list follow the change detection of joints, the conversion to the form that solvers need, reflection, and the part of the
-//! [state](crate::state) that joints are.
+//! Code that is made from the [list of joint types](super::types): change detection, the conversion to the form that solvers need,
+//! reflection, and the part of the [state](crate::state) that joints are.
 
+use super::types::*;
 use super::{
-    BreakForce, DistanceJoint, FixedJoint, GenericJoint, JointChanges, JointDefinition,
-    JointDisabled, JointEdge, JointEnds, JointFrame, JointType, MortarJoint, PrismaticJoint,
-    QuarantinedJoint, RevoluteJoint, SphericalJoint, SpringJoint,
+    BreakForce, JointChanges, JointDefinition, JointDisabled, JointEdge, JointEnds, JointFrame,
+    JointType, MortarJoint, QuarantinedJoint,
 };
 use crate::body::SpawnOrder;
 use crate::solver::sort;
@@ -92,16 +90,7 @@ macro_rules! joint_types {
         }
     };
 }
-joint_types!(
-    FixedJoint,
-    RevoluteJoint,
-    PrismaticJoint,
-    SphericalJoint,
-    DistanceJoint,
-    SpringJoint,
-    GenericJoint,
-    MortarJoint,
-);
+with_joint_types!(joint_types);
 
 /// Hook of the joint types and of [`JointDisabled`]: the next step looks at the joint again.
 pub(crate) fn look_again(mut world: DeferredWorld, context: HookContext) {

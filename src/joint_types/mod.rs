@@ -2,34 +2,23 @@
 //!
 //! Users find them in the module [`joint`](crate::joint), which stands above the constraint graph and has the stage and the questions.
 
-mod builder;
 mod definition;
-mod distance;
 mod edge;
 mod error;
-mod fixed;
 mod forces;
 mod frame;
-mod generic;
 mod list;
 mod mortar;
-mod prismatic;
-mod revolute;
-mod spherical;
-mod spring;
+pub(crate) mod types;
 
 pub use crate::solver::{JointAxis, JointMotor};
-pub(crate) use builder::joint_ends;
 pub use definition::JointLimits;
 pub(crate) use definition::{JointDefinition, JointEnds, JointType};
-pub use distance::DistanceJoint;
 pub use edge::{JointChanges, JointEdge};
 pub use error::{JointError, JointProblem, QuarantinedJoint};
-pub use fixed::FixedJoint;
 pub use forces::{BreakForce, JointForces};
 pub(crate) use frame::resolve;
 pub use frame::{JointAnchor, JointBasis, JointFrame};
-pub use generic::{GenericJoint, JointAxes};
 #[cfg(feature = "bevy_reflect")]
 pub(crate) use list::register;
 pub(crate) use list::{
@@ -39,10 +28,7 @@ pub(crate) use mortar::Patch;
 #[cfg(feature = "gizmos")]
 pub(crate) use mortar::corners;
 pub use mortar::{Mortar, MortarJoint};
-pub use prismatic::PrismaticJoint;
-pub use revolute::RevoluteJoint;
-pub use spherical::SphericalJoint;
-pub use spring::SpringJoint;
+pub(crate) use types::joint_ends;
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;

@@ -261,7 +261,8 @@ fn lose_pair(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// Pairs that were removed after [`ContactStarted`](crate::contact::ContactStarted) was sent for them, so that [`ContactEnded`](crate::contact::ContactEnded) must follow.
+/// Pairs that were removed after [`ContactStarted`](crate::contact::ContactStarted) was sent for them, so that
+/// [`ContactEnded`](crate::contact::ContactEnded) must follow.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(clone_behavior = Ignore, map_entities)]

@@ -10,8 +10,8 @@ use bevy_ecs::prelude::*;
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
 /// What must be saved of an entity besides its components: its place in the order of spawning, its contacts, the forces of a joint, the
-/// contents of a sensor, and the forces with which a body beside awake ones fell asleep. [`prepare`](crate::saving::prepare) inserts it, and the
-/// next step takes it up and removes it, in the world that was saved as in that of the scene.
+/// contents of a sensor, and the forces with which a body beside awake ones fell asleep. [`prepare`](crate::saving::prepare) inserts it,
+/// and the next step takes it up and removes it, in the world that was saved as in that of the scene.
 #[derive(Component, Clone, Debug, Default)]
 #[cfg_attr(
     feature = "bevy_reflect",

@@ -28,8 +28,8 @@ pub struct ActiveSettings {
     changes: u64,
     /// Whether some settings differ from those of the step before. Sleeping bodies are woken then.
     pub changed: bool,
-    /// Whether [`ContactHooks`](crate::contact::ContactHooks) was replaced, inserted or removed since the step before. Sleeping bodies whose contacts it decides about
-    /// are woken then.
+    /// Whether [`ContactHooks`](crate::contact::ContactHooks) was replaced, inserted or removed since the step before. Sleeping bodies
+    /// whose contacts it decides about are woken then.
     pub(crate) hooks_changed: bool,
 }
 

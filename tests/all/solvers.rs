@@ -845,3 +845,20 @@ fn soft_step_throws_a_falling_cube_back_with_e_times_its_speed() {
         }
     }
 }
+
+/// The example of a user's solver, which knows only drystone's public items.
+#[path = "../../examples/own_solver.rs"]
+#[expect(dead_code, reason = "an example has a main function")]
+mod own_solver;
+
+#[test]
+fn a_stack_stands_on_a_solver_from_outside() {
+    let heights = own_solver::stack(own_solver::PlainSweeps { sweeps: 20 }, 5.0);
+    for (course, height) in heights.into_iter().enumerate() {
+        let wanted = 0.5 + course as f32;
+        assert!(
+            (height - wanted).abs() < 0.01,
+            "{height} instead of {wanted} m"
+        );
+    }
+}

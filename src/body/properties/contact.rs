@@ -5,10 +5,11 @@ use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// Marks a body on which [`ContactStarted`](crate::contact::ContactStarted) and [`ContactEnded`](crate::contact::ContactEnded) are triggered for observers. The messages are sent for all bodies.
+/// Marks a body on which [`ContactStarted`](crate::contact::ContactStarted) and [`ContactEnded`](crate::contact::ContactEnded) are
+/// triggered for observers. The messages are sent for all bodies.
 ///
-/// A body that gets it while it touches others is told of these in the next step, so that every [`ContactEnded`](crate::contact::ContactEnded) has a [`ContactStarted`](crate::contact::ContactStarted)
-/// before it.
+/// A body that gets it while it touches others is told of these in the next step, so that every
+/// [`ContactEnded`](crate::contact::ContactEnded) has a [`ContactStarted`](crate::contact::ContactStarted) before it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy_reflect",

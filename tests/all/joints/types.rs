@@ -93,6 +93,52 @@ fn a_slider_slides_along_its_axis_only() {
 }
 
 #[test]
+fn a_bar_in_a_sleeve_slides_and_turns_and_does_nothing_else() {
+    let mut lab = Lab::shipped(1.0 / 60.0);
+    let bar = body(&mut lab, Collider::cuboid(1.0, 0.1, 0.1), 3.0, Vec3::Y);
+    lab.set_velocity(bar, Vec3::X * 0.4, Vec3::X * 2.0);
+    let sleeve = lab.spawn(CylindricalJoint::new(None, bar).with_slide_limits(-0.1, 0.3));
+    let mut far: f32 = 0.0;
+    for _ in 0..120 {
+        lab.step();
+        let pose = lab.pose(bar);
+        far = far.max(pose.position.x);
+        let aside = (pose.position - Vec3::Y).with_x(0.0).length();
+        assert!(aside < 2e-3, "{pose:?}");
+        let tilt = (pose.rotation * Vec3::X).angle_between(Vec3::X);
+        assert!(tilt < 2e-3, "{pose:?}");
+    }
+    assert!((far - 0.3).abs() < 5e-3, "{far}");
+    // The end of the slide does not brake the rotation, and the sleeve bears the weight.
+    let spin = lab.velocity(bar).angular;
+    assert!((spin - Vec3::X * 2.0).length() < 0.02, "{spin}");
+    assert_near(forces(&lab, sleeve).force.y, 3.0 * G, 1e-2, "weight");
+}
+
+#[test]
+fn a_bar_in_a_sleeve_is_driven_and_braked_along_and_about_its_axis() {
+    let mut lab = Lab::shipped(1.0 / 60.0);
+    let shape = || Collider::cuboid(1.0, 0.1, 0.1);
+    let driven = body(&mut lab, shape(), 3.0, Vec3::Y);
+    let joint = CylindricalJoint::new(None, driven)
+        .with_slide_motor(JointMotor::velocity(0.2, 100.0))
+        .with_angle_motor(JointMotor::velocity(1.5, 100.0))
+        .with_angle_limits(0.0, 1.0);
+    lab.spawn(joint);
+    let braked = body(&mut lab, shape(), 3.0, Vec3::Y * 3.0);
+    lab.set_velocity(braked, Vec3::X, Vec3::X);
+    lab.spawn(CylindricalJoint::new(None, braked).with_friction(30.0, 0.1));
+    lab.run(2.0);
+    let at = lab.pose(driven);
+    assert_near(at.position.x, 0.4, 2e-2, "driven along");
+    assert_near(at.rotation.to_scaled_axis().x, 1.0, 1e-2, "driven about");
+    // ½ v² m / F.
+    let at = lab.pose(braked);
+    assert_near(at.position.x, 0.5 * 3.0 / 30.0, 5e-2, "braked along");
+    assert!(lab.velocity(braked).angular.length() < 1e-4);
+}
+
+#[test]
 fn a_rope_is_slack_and_then_tight() {
     let mut lab = Lab::shipped(1.0 / 60.0);
     let bucket = ball(&mut lab, 5.0, Vec3::Y * 2.5);

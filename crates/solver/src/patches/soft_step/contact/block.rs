@@ -116,8 +116,8 @@ pub struct Points<L> {
     pub effect: Vec3xN<L>,
 }
 
-/// Sizes matter, because each sweep reads all blocks and their points. With four points, a patch takes 550 bytes: an island of 5 000 patches
-/// fits no cache of a core.
+/// Sizes matter, because each sweep reads all blocks and their points. With four points, a patch takes 550 bytes: an island of 5 000
+/// patches fits no cache of a core.
 const _: () = {
     let lanes = size_of::<crate::lanes::F32x4>();
     assert!(size_of::<Block<crate::lanes::F32x4>>() <= 90 * lanes);

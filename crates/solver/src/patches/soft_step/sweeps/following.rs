@@ -1,5 +1,5 @@
-//! The first sweeps of a step follow the refresh and the warm start of blocks, on one thread, so that blocks that are larger than caches are
-//! read from memory once for all of these. In a wall of 200 × 50 bricks a step takes 9 % longer without this.
+//! The first sweeps of a step follow the refresh and the warm start of blocks, on one thread, so that blocks that are larger than caches
+//! are read from memory once for all of these. In a wall of 200 × 50 bricks a step takes 9 % longer without this.
 
 use super::pipeline::{MAX_GROUP_SWEEPS, Pipeline, PipelinedSweeps, Shared, Shares, Work};
 use crate::lanes::{F32xN, Kernel};

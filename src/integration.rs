@@ -95,12 +95,12 @@ fn turned_about(angular: Vec3, rotation: Quat, dt: f32) -> Quat {
 /// Movement per step below which a body that contacts hold does not move at all: this share of its radius, or this angle, rad. It is half
 /// the rounding of a coordinate as large as the body. Near the origin coordinates are finer, and every resting body would be moved to and
 /// fro in every step, together with its contacts and everything that watches its `Transform`.
-const NOTHING: f32 = 1.0 / (1 << 26) as f32;
+const NEGLIGIBLE_MOTION: f32 = 1.0 / (1 << 26) as f32;
 
 fn rests(body: &BodyState, mean: Option<Velocity>, dt: f32) -> bool {
     mean.is_some_and(|Velocity { linear, angular }| {
-        (dt * linear).abs().max_element() <= NOTHING * body.radius
-            && (dt * angular).abs().max_element() <= NOTHING
+        (dt * linear).abs().max_element() <= NEGLIGIBLE_MOTION * body.radius
+            && (dt * angular).abs().max_element() <= NEGLIGIBLE_MOTION
     })
 }
 
@@ -193,7 +193,7 @@ fn carried(
         let (was, is) = (from * mass.local_frame, to * mass.local_frame);
         is * (i * (is.inverse() * (was * ((was.inverse() * angular) / i))))
     };
-    if angular.length() * dt < SLOW {
+    if angular.length() * dt < MIN_GYROSCOPIC_TURN {
         let turned = (spin(motion) * rotation).normalize();
         return (turned, kept(rotation, angular, turned));
     }
@@ -215,7 +215,7 @@ fn carried(
 
 /// Slower than this (rad a step) a body is turned without gyroscopic term, whose gain of energy, a share of its square, is lost
 /// in what contacts take.
-const SLOW: f32 = 0.01;
+const MIN_GYROSCOPIC_TURN: f32 = 0.01;
 
 /// Free rotation for Δt: the new orientation and the new angular velocity, world axes. In f64, or the rounding of a minute's
 /// steps would show in the momentum.
@@ -230,7 +230,7 @@ fn rotate(mass: &MassProperties, rotation: Quat, angular: Vec3, dt: f32) -> (Qua
     let mut frame = rotation * local_frame;
     let mut momentum = frame.inverse() * spin / i;
     let world = frame * momentum;
-    let parts = (spin.length() * dt as f64 / PART)
+    let parts = (spin.length() * dt as f64 / MAX_TURN)
         .ceil()
         .clamp(1.0, MOST_PARTS);
     let part = dt / parts as f32;
@@ -241,7 +241,7 @@ fn rotate(mass: &MassProperties, rotation: Quat, angular: Vec3, dt: f32) -> (Qua
         // Use the momentum in the world, which has not changed, and not that of the rule.
         let kept = turned.filter(|turned| {
             let momentum = turned.inverse() * world;
-            momentum.dot(i * momentum) <= before * (1.0 + ROUNDING)
+            momentum.dot(i * momentum) <= before * (1.0 + ENERGY_ROUNDING)
         });
         // Otherwise the body turns about its momentum, which is its mean rotation and changes neither momentum nor energy.
         let precession = world * (before / world.length_squared());
@@ -255,21 +255,21 @@ fn rotate(mass: &MassProperties, rotation: Quat, angular: Vec3, dt: f32) -> (Qua
 }
 
 /// Maximum angle by which a body turns in one part of a step, rad. The error of the rule is proportional to its square.
-const PART: f64 = 0.25;
+const MAX_TURN: f64 = 0.25;
 
 /// Maximum number of parts of a step. A body that turns by more than half a turn in a step cannot be displayed correctly anyway.
 const MOST_PARTS: f64 = 16.0;
 
 /// Relative rounding error of the energy in double precision.
-const ROUNDING: f64 = 1e-12;
+const ENERGY_ROUNDING: f64 = 1e-12;
 
 /// Steps of Newton's method; from the old momentum it takes three or four.
-const NEWTON: usize = 10;
+const MAX_NEWTON_STEPS: usize = 10;
 
 /// The mean momentum Π̄ over Δt in principal axes by the implicit midpoint rule, Π̄ = Π + h/2 Π̄ × I⁻¹Π̄, if it can be found.
 fn midpoint(i: DVec3, momentum: DVec3, dt: f32) -> Option<DVec3> {
     let mut mean = momentum;
-    for _ in 0..NEWTON {
+    for _ in 0..MAX_NEWTON_STEPS {
         let half = 0.5 * stretched(i * mean, dt);
         let miss = momentum + half * mean.cross(i * mean) - mean;
         if miss.length_squared() < 1e-24 * momentum.length_squared() {

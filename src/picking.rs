@@ -34,7 +34,7 @@ impl Plugin for PhysicsPickingPlugin {
 }
 
 /// How far pointers reach, m.
-const REACH: f32 = 1e5;
+const MAX_DISTANCE: f32 = 1e5;
 
 /// Reports the bodies that each pointer hits, nearest first.
 fn pick(
@@ -52,7 +52,7 @@ fn pick(
         };
         // The ray of a camera with an invalid transform hits nothing.
         let found = world
-            .cast_ray_through(ray, REACH, &filter)
+            .cast_ray_through(ray, MAX_DISTANCE, &filter)
             .unwrap_or_default();
         let mut picks = Vec::new();
         for hit in found {

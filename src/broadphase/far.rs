@@ -2,7 +2,7 @@
 //! it does not come near to: in a falling heap this is so for most overlaps. Such an overlap waits, and the two bodies get a contact pair
 //! in the step in which the narrowphase may find a contact.
 
-use super::{Broadphase, FAT, Reach};
+use super::{BOX_MARGIN, Broadphase, Reach};
 use crate::body::{BodyState, BodyTable};
 use crate::solver::Both;
 use glam::Vec3;
@@ -13,7 +13,7 @@ impl Broadphase {
         let Some([a, b]) = table.both(slots) else {
             return false;
         };
-        let is_fast = |body: &BodyState| body.velocity.linear.length() * reach.dt > FAT;
+        let is_fast = |body: &BodyState| body.velocity.linear.length() * reach.dt > BOX_MARGIN;
         if !(is_fast(a) || is_fast(b)) || !(a.radius.is_finite() && b.radius.is_finite()) {
             return false;
         }

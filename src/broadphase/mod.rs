@@ -24,10 +24,10 @@ use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use std::fmt;
 
 /// Margin on each side between the tight box of a body and its box in the tree, m.
-const FAT: f32 = 0.05;
+const BOX_MARGIN: f32 = 0.05;
 
 /// Number of steps of a body's motion that its box in the tree contains.
-const AHEAD: f32 = 2.0;
+const STEPS_AHEAD: f32 = 2.0;
 
 /// The tree is refitted and optimized after one in this many of its boxes was changed. The cost is proportional to the number of boxes.
 const REFIT_SHARE: usize = 16;
@@ -35,13 +35,13 @@ const REFIT_SHARE: usize = 16;
 /// From so many boxes on the tree is refitted only in steps in which one in [`REFIT_SHARE`] of them changes: refitting a million boxes
 /// takes 0.1 s. Otherwise a box that changes is taken out and inserted anew, which keeps the boxes above it tight. In a small tree it is
 /// faster to change boxes in place.
-const LARGE: usize = 1 << 13;
+const LARGE_TREE: usize = 1 << 13;
 
 /// Building a tree anew is worth its while from so many boxes on.
-const MANY: usize = 64;
+const MIN_BOXES_TO_REBUILD: usize = 64;
 
 /// More boxes than a tree that was just built has room for.
-const SPARE: u32 = 8;
+const SPARE_BOXES: u32 = 8;
 
 /// The tree, and the overlaps that were found in it.
 #[derive(Resource, Default)]
@@ -218,14 +218,14 @@ impl Broadphase {
         for &(slot, fat) in boxes {
             self.set_box(slot, fat);
         }
-        if boxes.len() > MANY && boxes.len() > self.tree.leaf_count() as usize {
+        if boxes.len() > MIN_BOXES_TO_REBUILD && boxes.len() > self.tree.leaf_count() as usize {
             let all = self.fat.iter().enumerate();
             let all = all.filter_map(|(slot, fat)| Some((slot, (*fat)?)));
             self.tree = Bvh::from_iter(BvhBuildStrategy::Binned, all);
             self.changed_boxes = 0;
             // The tree makes room for more now, and not in the step in which the next body comes. There is no other way to ask for it than
             // boxes for which it has no room.
-            let spare = slots as u32..slots as u32 + SPARE;
+            let spare = slots as u32..slots as u32 + SPARE_BOXES;
             spare
                 .clone()
                 .for_each(|slot| self.tree.insert(boxes[0].1, slot));
@@ -240,7 +240,7 @@ impl Broadphase {
     }
 
     fn count_changes(&mut self, changed: usize) {
-        if (self.tree.leaf_count() as usize) < LARGE {
+        if (self.tree.leaf_count() as usize) < LARGE_TREE {
             self.changed_boxes += changed;
         }
     }
@@ -425,7 +425,7 @@ pub fn broadphase(
         return;
     }
     let leaves = tree.leaf_count() as usize;
-    let in_place = leaves < LARGE || moved.len() * REFIT_SHARE >= leaves;
+    let in_place = leaves < LARGE_TREE || moved.len() * REFIT_SHARE >= leaves;
     for &slot in &moved {
         let Some(fat) = fat[slot as usize] else {
             continue;
@@ -479,8 +479,8 @@ pub fn broadphase(
 /// would leave its box in every step. The margin is extended only in the direction of motion: in a falling heap, a larger margin on all
 /// sides made twice as many pairs.
 fn fat_box(tight: &Aabb, way: Vec3) -> Aabb {
-    let ahead = AHEAD * way;
-    let mut fat = tight.loosened(FAT);
+    let ahead = STEPS_AHEAD * way;
+    let mut fat = tight.loosened(BOX_MARGIN);
     fat.mins += ahead.min(Vec3::ZERO);
     fat.maxs += ahead.max(Vec3::ZERO);
     fat

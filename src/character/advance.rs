@@ -114,7 +114,7 @@ impl Character {
         Frame { gravity, dt }: Frame,
     ) -> Result<Advanced, String> {
         /// Faster than this upwards from its ground it does not stand where nothing pulls it down, m/s.
-        const RISES: f32 = 1e-3;
+        const RISING_SPEED: f32 = 1e-3;
         let Some(body) = world.state(entity) else {
             return Ok(None);
         };
@@ -197,7 +197,7 @@ impl Character {
             let pull = -gravity.dot(up);
             let most = match pull > 0.0 {
                 true => -0.5 * pull * dt,
-                false => RISES,
+                false => RISING_SPEED,
             };
             let fell = fall;
             let lands = |ground: &Ground| {

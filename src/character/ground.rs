@@ -28,7 +28,7 @@ impl CharacterState {
     /// How the ground carries a character at a position in a step of `dt` s. `None` if it stood on nothing, or its ground is gone.
     pub(super) fn carried(&self, world: &SpatialQuery, from: Vec3, dt: f32) -> Option<Carried> {
         /// A way that is so much longer than the body's velocity explains is none of a motion, m: the body was put elsewhere.
-        const JUMP: f32 = 0.1;
+        const MAX_UNEXPLAINED_WAY: f32 = 0.1;
         let ground = self.ground?;
         let now = world.pose(ground.entity)?;
         let body = world.state(ground.entity)?;
@@ -39,7 +39,7 @@ impl CharacterState {
         if now == self.ground_pose || body.kind == RigidBody::Static {
             (turn, way) = (Quat::IDENTITY, Vec3::ZERO);
         }
-        let most = 2.0 * dt * body.velocity_at(from).length() + JUMP;
+        let most = 2.0 * dt * body.velocity_at(from).length() + MAX_UNEXPLAINED_WAY;
         (way.length() <= most).then(|| Carried {
             ground: ground.entity,
             velocity: way / dt,
@@ -52,17 +52,18 @@ impl CharacterState {
     /// character down at `gravity` (m/s²). It stays on ground that drops for a moment, from which it would rise by no more than `reach`, m.
     pub(super) fn leaves(&mut self, up: Vec3, now: f32, gravity: f32, reach: f32, dt: f32) -> bool {
         /// What falls freely carries nothing, but rounding must not decide.
-        const SHARE: f32 = 0.95;
+        const FREE_FALL_SHARE: f32 = 0.95;
         /// Time after which it leaves, s, and the number of steps.
-        const MOMENT: f32 = 0.05;
-        const STEPS: f32 = 2.0;
-        let faster = self.carried.dot(up) - now - SHARE * gravity * dt;
+        const LEAVING_TIME: f32 = 0.05;
+        const LEAVING_STEPS: f32 = 2.0;
+        let faster = self.carried.dot(up) - now - FREE_FALL_SHARE * gravity * dt;
         if faster <= 0.0 || gravity <= 0.0 {
             self.falling = 0.0;
             return false;
         }
         self.falling += dt;
-        faster * faster > 2.0 * gravity * reach || self.falling >= MOMENT.max(STEPS * dt)
+        faster * faster > 2.0 * gravity * reach
+            || self.falling >= LEAVING_TIME.max(LEAVING_STEPS * dt)
     }
 
     /// Writes down what the character stands on after a step of `dt` s, if it stands. `carried` is what has carried it, if it stood all the

@@ -52,7 +52,7 @@ pub struct Searches {
 }
 
 /// What marks a part.
-const OWNED: &[FindId] = &[Components::component_id::<ColliderOf>];
+const PART_MARKERS: &[FindId] = &[Components::component_id::<ColliderOf>];
 
 /// Finds the bodies whose parts or scale have changed, and makes their [`CompoundCollider`] anew. Makes colliders without a body static.
 pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
@@ -88,7 +88,7 @@ pub fn assemble(world: &mut World, mut searches: Local<Option<Searches>>) {
     for collider in lone {
         if seen.insert(collider) {
             make_body(world, collider, RigidBody::Static);
-            remove(world, collider, OWNED);
+            remove(world, collider, PART_MARKERS);
             bodies.push(collider);
         }
     }
@@ -196,7 +196,7 @@ fn disown(world: &mut World, body: Entity, parts: &[Part]) {
     let gone: Vec<Entity> = known.parts().filter(|part| !kept.contains(part)).collect();
     for part in gone {
         if world.get::<ColliderOf>(part) == Some(&ColliderOf { body }) {
-            remove(world, part, OWNED);
+            remove(world, part, PART_MARKERS);
         }
     }
 }
@@ -207,7 +207,7 @@ fn own(world: &mut World, body: Entity, kind: RigidBody, parts: &[Part]) {
     for part in parts.iter().filter(|part| part.entity != body) {
         if is_separate(part, body, first) && kind != RigidBody::Dynamic {
             make_body(world, part.entity, kind);
-            remove(world, part.entity, OWNED);
+            remove(world, part.entity, PART_MARKERS);
             if world.get::<Transform>(part.entity).is_some() {
                 rebuild(world, part.entity);
             }

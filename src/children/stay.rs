@@ -20,8 +20,8 @@ type Placed = QueryState<(&'static Transform, Option<&'static ChildOf>)>;
 
 /// Rounding of a pose that is computed by way of another frame, as a share of the coordinates; and of the parts of a rotation. Those of a
 /// frame may not be of unit length, because users turn it.
-const ROUNDING: f32 = 1e-6;
-const TURN: f32 = 1e-5;
+const POSITION_ROUNDING: f32 = 1e-6;
+const ROTATION_ROUNDING: f32 = 1e-5;
 
 /// Part of the stage *prepare*.
 pub fn stay(world: &mut World, placed: &mut Placed) {
@@ -139,5 +139,6 @@ fn is_near(one: &Pose, other: &Pose, arm: f32) -> bool {
         off.fold(0.0, |most: f32, (a, b)| most.max((a - sign * b).abs()))
     };
     let off: Vec3 = (one.position - other.position).abs();
-    off.max_element() <= ROUNDING * far + TURN * arm && turn(1.0).min(turn(-1.0)) <= TURN
+    off.max_element() <= POSITION_ROUNDING * far + ROTATION_ROUNDING * arm
+        && turn(1.0).min(turn(-1.0)) <= ROTATION_ROUNDING
 }

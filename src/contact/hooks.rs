@@ -169,18 +169,18 @@ impl<'a> ContactModification<'a> {
     /// other in one step, against the direction.
     pub fn one_way(&mut self, direction: Vec3) {
         /// Overlap of bodies at rest, m.
-        const REST: f32 = 0.01;
+        const REST_OVERLAP: f32 = 0.01;
         /// Cosine of the largest angle between a normal and the direction.
-        const FACES: f32 = 0.5;
+        const FACING_COSINE: f32 = 0.5;
         let platform = usize::from(self.bodies[1].properties.hooks.modify_contacts);
         let [on, of] = [self.bodies[1 - platform], self.bodies[platform]];
         let sign = if platform == 1 { 1.0 } else { -1.0 };
         let (pressed, dt) = (self.pressed, self.dt);
         self.retain(|point| {
-            let faces = sign * point.normal.dot(direction) > FACES;
+            let faces = sign * point.normal.dot(direction) > FACING_COSINE;
             let came = on.velocity_at(point.position) - of.velocity_at(point.position);
             let came = -dt * came.dot(direction);
-            faces && (pressed || came >= 0.0 && -point.distance <= came + REST)
+            faces && (pressed || came >= 0.0 && -point.distance <= came + REST_OVERLAP)
         });
     }
 }

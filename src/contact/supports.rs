@@ -54,12 +54,12 @@ use std::fmt;
 use std::ops::Range;
 
 /// Minimum supporting force, as a share of the body's weight. Smaller forces are noise.
-const NOISE: f32 = 1e-3;
+const MIN_SUPPORT_SHARE: f32 = 1e-3;
 
 /// Bodies can support each other in a circle, by friction. Then shares are computed in rounds: the maximum number of rounds, and the change
 /// below which they end.
-const ROUNDS: usize = 64;
-const STEADY: f32 = 1e-5;
+const MAX_ROUNDS: usize = 64;
+const SETTLED_CHANGE: f32 = 1e-5;
 
 /// One body supports another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -180,7 +180,7 @@ impl Supports<'_, '_> {
     fn min_force(&self, slot: u32) -> Option<f32> {
         let body = self.contacts.table.get(slot)?;
         let weight = self.gravity.0.length() * body.gravity_scale.abs() / body.mass.inverse_mass;
-        (body.is_dynamic() && weight.is_finite()).then_some(NOISE * weight)
+        (body.is_dynamic() && weight.is_finite()).then_some(MIN_SUPPORT_SHARE * weight)
     }
 
     /// The paths of a body's weight to the ground, from the top down: each support once, with the share of that weight that it carries.
@@ -205,7 +205,7 @@ impl Supports<'_, '_> {
         let fractions: Vec<f32> = path.iter().map(|bearing| bearing.share).collect();
         path.iter_mut().for_each(|bearing| bearing.share = 0.0);
         let mut through = EntityHashMap::from_iter([(body, 1.0)]);
-        for _ in 0..if circles { ROUNDS } else { 1 } {
+        for _ in 0..if circles { MAX_ROUNDS } else { 1 } {
             let mut change: f32 = 0.0;
             for at in &order {
                 let here = through.get(at).copied().unwrap_or(0.0);
@@ -216,7 +216,7 @@ impl Supports<'_, '_> {
                     change = change.max(more.abs());
                 }
             }
-            if change < STEADY {
+            if change < SETTLED_CHANGE {
                 break;
             }
         }

@@ -224,7 +224,7 @@ pub fn hands(
                 let local = pose.inverse_transform_point(hit.point);
                 let grab = hand.grab(local, hit.point);
                 if !grab.is_valid() {
-                    tracing::error!("the hand {entity} takes hold of nothing: {INVALID}");
+                    tracing::error!("the hand {entity} takes hold of nothing: {INVALID_MESSAGE}");
                     continue;
                 }
                 *state = HandState::Holds(body, local);
@@ -246,7 +246,9 @@ pub fn hands(
                     grab.set_if_neq(wanted);
                     told.hands.remove(&entity);
                 } else if told.hands.insert(entity) {
-                    tracing::error!("the hand {entity} holds on to {body} as before: {INVALID}");
+                    tracing::error!(
+                        "the hand {entity} holds on to {body} as before: {INVALID_MESSAGE}"
+                    );
                 }
             }
             (HandState::Open | HandState::Empty, _) => {}
@@ -255,7 +257,7 @@ pub fn hands(
 }
 
 /// The log message for a hand with invalid numbers.
-const INVALID: &str =
+const INVALID_MESSAGE: &str =
     "its ray, distance, rotation, force or torque is not finite, out of bounds or negative";
 
 /// Returns true if the body exists and is held by this hand.

@@ -16,25 +16,25 @@ use bevy_platform::collections::HashMap;
 use glam::Vec3;
 
 /// Number of looks at a body within the time after which it may sleep.
-const LOOKS: usize = 4;
+const LOOKS_PER_REST: usize = 4;
 
-/// A body at rest moves in [`AHEAD`] by this times the speed below which bodies count as still, s.
-const WAY: f32 = 0.1;
+/// A body at rest moves in [`LOOK_AHEAD`] by this times the speed below which bodies count as still, s.
+const REST_WAY: f32 = 0.1;
 
 /// A body that contacts hold speeds up only if it is faster than this times the speed of a body at rest: slower ones tremble.
-const SURE: f32 = 2.0;
+const SPEEDING_UP_FACTOR: f32 = 2.0;
 
 /// s.
-const AHEAD: f32 = 10.0;
+const LOOK_AHEAD: f32 = 10.0;
 
 /// A body speeds up if each look finds it faster than the one before: over four looks by this factor,
-const GROWTH: f32 = 1.02;
+const GROWTH_OVER_FOUR: f32 = 1.02;
 
 /// over three looks by this factor,
-const JUMP: f32 = 1.1;
+const GROWTH_OVER_THREE: f32 = 1.1;
 
 /// and its last speed is more than this share of the speed that a body at rest may have.
-const SLOWEST: f32 = 0.1;
+const MIN_SPEED_SHARE: f32 = 0.1;
 
 /// What was seen of bodies that are still, by slot.
 #[derive(Debug, Default)]
@@ -66,7 +66,7 @@ pub(crate) struct Drift {
     /// For how long it had been still at the last look, s.
     at: f32,
     /// Mean speeds of its surface between looks, from the last one back, m/s. Negative where nothing is known.
-    speeds: [f32; LOOKS],
+    speeds: [f32; LOOKS_PER_REST],
 }
 
 /// How a body that is still moves.
@@ -88,7 +88,7 @@ impl Drifts {
         delay: f32,
         [before, still_for]: [f32; 2],
     ) {
-        let quarters = |time: f32| (time * LOOKS as f32 / delay).floor();
+        let quarters = |time: f32| (time * LOOKS_PER_REST as f32 / delay).floor();
         if before > 0.0 && delay > 0.0 && quarters(still_for) <= quarters(before) {
             return;
         }
@@ -96,7 +96,7 @@ impl Drifts {
             .0
             .get(&slot)
             .filter(|known| before > 0.0 && known.at < still_for);
-        let speeds = known.map_or([-1.0; LOOKS], |known| {
+        let speeds = known.map_or([-1.0; LOOKS_PER_REST], |known| {
             let way = way(&known.pose, pose, body);
             let [a, b, c, _] = known.speeds;
             [way / (still_for - known.at), a, b, c]
@@ -114,8 +114,8 @@ impl Drifts {
         let Some(Drift { speeds, .. }) = self.0.get(&slot) else {
             return Drifting::Goes;
         };
-        let far = WAY * speed;
-        let slow = far / AHEAD;
+        let far = REST_WAY * speed;
+        let slow = far / LOOK_AHEAD;
         let [a, b, c, d] = *speeds;
         if d < 0.0 {
             // Too few looks to see more.
@@ -124,11 +124,11 @@ impl Drifts {
                 false => Drifting::Goes,
             };
         }
-        let grows = a > b && b > c && c > d && a > GROWTH * d;
-        if grows && a > SURE * slow {
+        let grows = a > b && b > c && c > d && a > GROWTH_OVER_FOUR * d;
+        if grows && a > SPEEDING_UP_FACTOR * slow {
             return Drifting::Goes;
         }
-        if grows && a > SLOWEST * slow {
+        if grows && a > MIN_SPEED_SHARE * slow {
             return Drifting::Creeps;
         }
         if a + b <= 2.0 * slow || a + b + c + d <= 4.0 * slow {
@@ -137,11 +137,11 @@ impl Drifts {
         // Each half of the time takes it by this share of the way of the half before: a geometric series. The last quarter shows it if
         // something else goes on when that has ended.
         let share = ((a + b) / (c + d)).max(a * a / (b * b));
-        let last = (a + b) * delay / LOOKS as f32;
+        let last = (a + b) * delay / LOOKS_PER_REST as f32;
         if share < 1.0 && last * share <= far * (1.0 - share) {
             return Drifting::Rests;
         }
-        let jumps = a > b && b > c && a > JUMP * c && a > SURE * slow;
+        let jumps = a > b && b > c && a > GROWTH_OVER_THREE * c && a > SPEEDING_UP_FACTOR * slow;
         // A faster motion has ended, and something else goes on.
         let turns = a > 0.9 * b && b < c && c < d && c > slow && d > f32::max(2.0 * b, 4.0 * slow);
         match jumps || turns {

@@ -391,13 +391,13 @@ impl ConstraintGraph {
         overlaps: impl Iterator<Item = [u32; 2]>,
     ) -> impl Iterator<Item = [u32; 2]> {
         /// From this number of edges on they are marked.
-        const MANY: usize = 32;
+        const MIN_MARKED_EDGES: usize = 32;
         let mut marked = None;
         // By slot: the body whose contact with this one was marked last.
         let mut marks: Vec<u32> = Vec::new();
         overlaps.filter(move |&[a, b]| {
             let counts = [a, b].both(|slot| self.edges_of(slot).len());
-            if counts[0].min(counts[1]) < MANY {
+            if counts[0].min(counts[1]) < MIN_MARKED_EDGES {
                 return !self.has_contact([a, b]);
             }
             let of = match marked {

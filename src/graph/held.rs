@@ -12,7 +12,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 /// Share of its weight with which contacts with friction press on a body that they hold.
-const PRESSED: f32 = 0.5;
+const PRESSING_SHARE: f32 = 0.5;
 
 /// What holds bodies, and what drives them.
 #[derive(SystemParam, Debug)]
@@ -42,7 +42,7 @@ impl Holding<'_, '_> {
             let points = impulses.points.iter().map(|point| point.normal_force);
             (pair.friction > 0.0).then(|| points.sum::<f32>())
         });
-        weight > 0.0 && pressing.sum::<f32>() > PRESSED * weight
+        weight > 0.0 && pressing.sum::<f32>() > PRESSING_SHARE * weight
     }
 
     /// Returns true if a surface that moves, or a joint that turns or slides, may drive the bodies of an island.

@@ -295,7 +295,7 @@ impl Islands {
 }
 
 /// Small changes of the forces on sleeping bodies are followed this often, s.
-const FOLLOWED: f32 = 0.25;
+const FOLLOWING_PERIOD: f32 = 0.25;
 
 /// First part of the stage: updates links and islands, wakes bodies, and finds the bodies and pairs that become inactive.
 pub fn islands(
@@ -335,7 +335,7 @@ pub fn islands(
             sleepers: &sleepers,
             joints: &joints,
             // Before what has been laid on a sleeper sleeps, too.
-            interval: (0.5 * settings.delay).min(FOLLOWED),
+            interval: (0.5 * settings.delay).min(FOLLOWING_PERIOD),
             speed: settings.linear_speed,
             gravity: gravity.0,
             dt: time.dt,

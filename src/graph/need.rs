@@ -39,7 +39,7 @@ pub(super) type Sleepers<'w, 's> =
 type Supports = SmallVec<[(u32, f32); 8]>;
 
 /// A sleeping body wakes if the user puts another one so that they overlap by more than this, m: both must give way.
-const OVERLAP: f32 = 1e-3;
+const WAKING_OVERLAP: f32 = 1e-3;
 
 /// The search for sleeping bodies that need to wake.
 pub(super) struct Need<'a, 'w, 's> {
@@ -276,7 +276,7 @@ impl Need<'_, '_, '_> {
         let contact = self.forces.contact(link);
         contact.is_some_and(|(_, manifold, _)| {
             let mut points = manifold.points.iter();
-            points.any(|point| point.distance < -OVERLAP)
+            points.any(|point| point.distance < -WAKING_OVERLAP)
         })
     }
 

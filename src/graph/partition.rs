@@ -34,7 +34,7 @@ struct Place {
 const NONE: u32 = u32::MAX;
 
 /// In place of an island: the body enters, and its place is that in the list of those.
-const ENTERS: u32 = NONE - 1;
+const ENTERING: u32 = NONE - 1;
 
 const NOWHERE: Place = Place {
     island: NONE,
@@ -120,7 +120,7 @@ impl Partition {
     #[inline]
     pub fn id(&self, slot: u32) -> Option<u32> {
         let island = self.places.get(slot as usize)?.island;
-        (island < ENTERS).then_some(island)
+        (island < ENTERING).then_some(island)
     }
 
     /// The number of an island, or `None` if it has none.
@@ -172,7 +172,7 @@ impl Partition {
             self.places.resize(slot as usize + 1, NOWHERE);
         }
         self.places[slot as usize] = Place {
-            island: ENTERS,
+            island: ENTERING,
             place: self.entering.len() as u32,
         };
         self.entering.push(slot);
@@ -189,7 +189,7 @@ impl Partition {
         for &slots in links {
             let places = slots.both(|slot| self.places.get(slot as usize).copied());
             if let [Some(a), Some(b)] = places
-                && (a.island, b.island) == (ENTERS, ENTERS)
+                && (a.island, b.island) == (ENTERING, ENTERING)
             {
                 parts.join(a.place, b.place);
             }
@@ -223,7 +223,7 @@ impl Partition {
         match self.places.get(slot as usize).copied() {
             None | Some(NOWHERE) => return,
             Some(Place {
-                island: ENTERS,
+                island: ENTERING,
                 place,
             }) => {
                 self.entering.swap_remove(place as usize);

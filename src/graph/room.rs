@@ -4,17 +4,17 @@
 //! that came after a world was loaded would double the table. Therefore some more rows are reserved together with many.
 
 /// One more row is reserved for so many pairs.
-const SHARE: usize = 16;
+const PAIRS_PER_SPARE_ROW: usize = 16;
 
 /// Number of pairs from which on more rows are reserved. A smaller table holds less than 3 MB, which are copied quickly.
-const MANY: usize = 1 << 12;
+const MIN_PAIRS_FOR_SPARE_ROWS: usize = 1 << 12;
 
 /// Bundles to be spawned. The table reserves rows for `count` at once, which are these and those that are spawned soon, and for some more
 /// if they are many.
 pub(crate) fn with_room<I: Iterator>(bundles: I, count: usize) -> impl Iterator<Item = I::Item> {
-    let more = match count < MANY {
+    let more = match count < MIN_PAIRS_FOR_SPARE_ROWS {
         true => 0,
-        false => count / SHARE,
+        false => count / PAIRS_PER_SPARE_ROW,
     };
     Room {
         bundles,

@@ -11,7 +11,7 @@ use bevy_ecs::world::DeferredWorld;
 use glam::{Quat, Vec3};
 
 /// Rounding of the place of an anchor, as a share of its distance from the origin: of a position, and of an arm by a rotation.
-const ROUNDING: f32 = 2.0 * f32::EPSILON;
+const ANCHOR_ROUNDING: f32 = 2.0 * f32::EPSILON;
 
 /// A joint that takes part in the simulation: its edge, and its definition with local frames. Internal.
 #[derive(Component, Clone, Debug)]
@@ -100,7 +100,7 @@ impl JointEdge {
         let far = bodies.map(|body| body.pose.position.abs().max_element());
         let far = far.fold(0.0, f32::max);
         let [a, b] = self.definition.anchors().map(Vec3::length);
-        [ROUNDING * (far + a + b), 2.0 * ROUNDING]
+        [ANCHOR_ROUNDING * (far + a + b), 2.0 * ANCHOR_ROUNDING]
     }
 
     /// The constraint of the solver, without the indices of its bodies.

@@ -6,7 +6,7 @@ use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 
 /// Minimum movement that counts, as a share of a body's radius; as in [previews](crate::preview::PreviewSettings::movement_threshold).
-const SHARE: f32 = 0.05;
+const MIN_MOVEMENT_SHARE: f32 = 0.05;
 
 /// The poses of bodies at the last look.
 #[derive(Clone, Debug, Default)]
@@ -95,5 +95,5 @@ fn has_moved(Moved { from, to, .. }: &Moved, radius: f32) -> bool {
     let far =
         to.position.distance(from.position) + to.rotation.angle_between(from.rotation) * radius;
     // A body without a shape has no radius.
-    far > SHARE * radius.max(1e-2)
+    far > MIN_MOVEMENT_SHARE * radius.max(1e-2)
 }

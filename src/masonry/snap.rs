@@ -5,7 +5,7 @@ use crate::body::Pose;
 use glam::{Quat, Vec3};
 
 /// Minimum overlap of a brick with the one beside it, as a share of the shorter of the two.
-const HOLD: f32 = 0.2;
+const MIN_OVERLAP_SHARE: f32 = 0.2;
 
 /// The place that [`snap`] has found for a brick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ pub fn snap(
 /// from that.
 fn nearest(own: f32, other: f32, step: f32, point: f32) -> f32 {
     let flush = other - own;
-    let most = own + other - 2.0 * HOLD * own.min(other);
+    let most = own + other - 2.0 * MIN_OVERLAP_SHARE * own.min(other);
     let far = point.clamp(-most, most);
     let place = flush + ((far - flush) / step).round() * step;
     match place {

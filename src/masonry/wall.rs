@@ -6,7 +6,7 @@ use glam::Vec3;
 use std::ops::Range;
 
 /// Length of the shortest piece that may be cut beside an opening, as a share of a brick's length.
-const SLIVER: f32 = 0.24;
+const MIN_PIECE_LENGTH: f32 = 0.24;
 
 /// A straight wall along x.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,7 +179,8 @@ impl Wall {
                     let width = 0.25 * piece.quarters as f32 * self.brick.x;
                     let end = start + width;
                     let pieces = [from.min(end) - start, end - to.max(start)];
-                    let is_sliver = |piece: &f32| (1e-3..SLIVER).contains(&(piece / self.brick.x));
+                    let is_sliver =
+                        |piece: &f32| (1e-3..MIN_PIECE_LENGTH).contains(&(piece / self.brick.x));
                     if from < end && start < to && pieces.iter().any(is_sliver) {
                         return bad;
                     }

@@ -18,10 +18,10 @@ use bevy_math::FloatPow;
 use glam::Vec3;
 
 /// Mortar bonds surfaces that are no farther apart, m, and points of the contact envelope at any rate.
-const REACH: f32 = 1e-3;
+const MAX_GAP: f32 = 1e-3;
 
 /// Mortar bonds surfaces that move against each other more slowly, m/s.
-const STILL: f32 = 0.05;
+const MAX_SPEED: f32 = 0.05;
 
 /// The area that a patch must have, as a share of the square of the smaller body's radius.
 const LEAST_AREA: f32 = 1e-4;
@@ -110,7 +110,7 @@ fn find(world: &World, fresh: &[(Entity, u32, Mortar)]) -> Vec<Bond> {
             let least = LEAST_AREA * a.radius.min(b.radius).squared();
             for (_, patch, range) in manifold.patches_with_points() {
                 let points = &manifold.points[range];
-                let reach = outer.max(REACH);
+                let reach = outer.max(MAX_GAP);
                 let near = points.iter().filter(|point| point.distance <= reach);
                 let near: Vec<Vec3> = near.map(|point| a.center + point.arm).collect();
                 // From A to B.
@@ -118,7 +118,7 @@ fn find(world: &World, fresh: &[(Entity, u32, Mortar)]) -> Vec<Bond> {
                     continue;
                 };
                 let rate = a.velocity_at(patch.center) - b.velocity_at(patch.center);
-                if rate.length() > STILL {
+                if rate.length() > MAX_SPEED {
                     continue;
                 }
                 bonds.push(Bond {

@@ -11,7 +11,7 @@ use parry3d::query::{PointQuery, TrackedContact};
 use parry3d::shape::{Capsule, PackedFeatureId};
 
 /// Capsules lie side by side if the line between them leans from the normal by at most this angle, as a sine.
-const ASIDE: f32 = 0.02;
+const MAX_LEAN: f32 = 0.02;
 
 /// Fills the manifold with the points whose distance is at most `reach`, m.
 pub(super) fn touch(
@@ -46,7 +46,7 @@ pub(super) fn touch(
     let mut add_end = |on_a: Vec3, on_b: Vec3| {
         let between = on_b - on_a;
         let aside = between - normal * between.dot(normal);
-        if aside.length_squared() <= ASIDE * ASIDE * between.length_squared() {
+        if aside.length_squared() <= MAX_LEAN * MAX_LEAN * between.length_squared() {
             add(on_a, on_b);
         }
     };

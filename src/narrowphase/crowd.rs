@@ -1,7 +1,7 @@
 //! Crowds: bodies that overlap so many others that no solver could part all of them at once.
 //!
 //! A thousand bricks in one cubic metre meet in half a million pairs. A body can follow only a few of its contacts: when it has left the
-//! deepest one, the others have changed. A pair therefore has contacts only while it is among the [`MOST`] deepest pairs of one of its two
+//! deepest one, the others have changed. A pair therefore has contacts only while it is among the [`MAX_DEEP_PAIRS`] deepest pairs of one of its two
 //! bodies. The other pairs have none, and are checked again some steps later.
 //!
 //! Only overlaps deeper than those in any structure count, so that bodies on a large floor or in a bowl are not a crowd.
@@ -18,13 +18,13 @@ use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 
 /// Number of deep pairs of a body that always have contacts.
-pub(crate) const MOST: usize = 16;
+pub(crate) const MAX_DEEP_PAIRS: usize = 16;
 
 /// Pairs without contacts are checked again after this number of steps, spread evenly so that no step has all of them.
-const WAITS: u64 = 8;
+const STEPS_BETWEEN_CHECKS: u64 = 8;
 
 /// Overlap from which on a pair is deep, as a share of the smaller body's size.
-const DEEP: f32 = 0.1;
+const DEEP_OVERLAP: f32 = 0.1;
 
 /// A deep pair. They are ordered by depth, deepest first.
 struct DeepPair {
@@ -40,7 +40,7 @@ pub fn crowd(
     mut pairs: PairsMut,
     (mut suspects, mut told): (ResMut<Suspects>, ResMut<Told>),
 ) {
-    let is_crowded = |slot: u32| graph.edges_of(slot).len() > MOST;
+    let is_crowded = |slot: u32| graph.edges_of(slot).len() > MAX_DEEP_PAIRS;
     let any = table
         .active()
         .any(|(slot, body)| body.is_awake() && is_crowded(slot));
@@ -59,7 +59,7 @@ pub fn crowd(
     deep.retain(|pair| {
         let counts_for = pair.slots.both(|slot| {
             counts[slot as usize] += 1;
-            counts[slot as usize] <= MOST
+            counts[slot as usize] <= MAX_DEEP_PAIRS
         });
         counts_for == [false; 2]
     });
@@ -87,7 +87,9 @@ pub fn crowd(
         reorder(&none, &none, impulses, anchors, targets);
         cache.bypass_change_detection().last_pose.forget();
         pair.revision = revision;
-        pair.waits = (WAITS / 2 + (pair.spawn_orders[0].0 + pair.spawn_orders[1].0) % WAITS) as u8;
+        pair.waits = (STEPS_BETWEEN_CHECKS / 2
+            + (pair.spawn_orders[0].0 + pair.spawn_orders[1].0) % STEPS_BETWEEN_CHECKS)
+            as u8;
         pair.touching = false;
         // Only in the first substep are there no impulses left of points that are gone.
         pair.state = match time.substep {
@@ -135,5 +137,5 @@ fn depth(table: &BodyTable, pair: &ContactPair, manifold: &Manifold) -> Option<f
     let depth = -distances.fold(0.0, f32::min);
     let [a, b] = table.both(pair.slots)?;
     let counts = a.is_dynamic() && b.is_dynamic() && !(is_idle(a) && is_idle(b));
-    (counts && depth > DEEP * a.size.min(b.size)).then_some(depth)
+    (counts && depth > DEEP_OVERLAP * a.size.min(b.size)).then_some(depth)
 }

@@ -16,7 +16,7 @@ use glam::{DVec3, Quat, Vec3};
 use smallvec::smallvec;
 
 /// Distance below which two centres coincide, as a share of the smaller radius.
-const COINCIDENT: f32 = 1e-6;
+const COINCIDENT_DISTANCE: f32 = 1e-6;
 
 /// Separates two bodies in the same place. The direction depends on the two bodies; otherwise many bodies would be pushed out along one
 /// line.
@@ -61,7 +61,7 @@ pub(super) fn detect(
     };
     // A hollow body may have another one in its middle without touching it.
     let solid = shape_a.is_convex() && shape_b.is_convex();
-    if solid && (a.center - b.center).length() <= COINCIDENT * a.radius.min(b.radius) {
+    if solid && (a.center - b.center).length() <= COINCIDENT_DISTANCE * a.radius.min(b.radius) {
         cache.forget();
         separate_coincident(a, b, manifold);
         return f32::NEG_INFINITY;
@@ -195,14 +195,14 @@ fn find_beside<A: Solid, B: Solid>(
     };
     let mut beside = Contact::default();
     touch_along(a, b, place, -contact.normal, reach, &mut beside);
-    let slack = BESIDE * across(a).min(across(b));
+    let slack = EDGE_TOLERANCE * across(a).min(across(b));
     if beside.points.len() > contact.points.len() && nearest(&beside) <= nearest(contact) + slack {
         *contact = beside;
     }
 }
 
 /// Tolerance with which the faces beside an edge contain the edge, as a share of the smaller body's size.
-const BESIDE: f64 = 0.004;
+const EDGE_TOLERANCE: f64 = 0.004;
 
 /// The contact of a body with a half-space, in the body's frame. The normal points out of the half-space.
 fn on_plane(

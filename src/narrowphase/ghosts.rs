@@ -22,20 +22,20 @@ use parry3d::shape::{Shape, Triangle, TypedShape};
 use smallvec::SmallVec;
 
 /// Largest height of a step between flush surfaces, as a share of the smaller body's size.
-const FLUSH: f32 = 2e-3;
+const FLUSH_HEIGHT: f32 = 2e-3;
 
 /// The same, as a share of the distance beyond which a contact is outside of the envelope.
 const FLUSH_OF_ENVELOPE: f32 = 0.1;
 
 /// A normal belongs to a face if it leans from the face's normal by less than this angle, as a sine.
-const LEANS: f32 = 1e-4;
+const FACE_LEAN: f32 = 1e-4;
 
 /// A normal is along a face if the cosine between it and the face's normal is below this.
-const ASIDE: f32 = 0.1;
+const ALONG_FACE_COSINE: f32 = 0.1;
 
 /// Bodies with flat faces that tilt against each other touch with the normal of a face of one of them. It is no ghost if the cosine between
 /// it and the covering face is larger than this (3°).
-const TILTED: f32 = 0.9986;
+const TILTED_COSINE: f32 = 0.9986;
 
 /// A body with more edges than this is ground, which does not slide over the bodies on it.
 const MAX_EDGES: usize = 512;
@@ -81,7 +81,11 @@ impl Surroundings<'_> {
             let range = patch.range_in(before);
             // A ball may be a part of a compound.
             let is_round = patch.curved || is_curved || patch.count == 1 && !are_convex;
-            let max_cosine = if is_round { f32::INFINITY } else { TILTED };
+            let max_cosine = if is_round {
+                f32::INFINITY
+            } else {
+                TILTED_COSINE
+            };
             patch.first = kept as u32;
             for i in range {
                 let point = points[i];
@@ -160,7 +164,11 @@ impl Surroundings<'_> {
             let mut covered = false;
             cover.faces(&site, |face| {
                 let rises = |piece: &Piece| piece.height_over(at, face) > flush;
-                let limit = if is_inside { ASIDE } else { max_cosine };
+                let limit = if is_inside {
+                    ALONG_FACE_COSINE
+                } else {
+                    max_cosine
+                };
                 // A body that is struck gives way, and then the edge beside it is an obstacle.
                 let strikes = cover.velocity.is_some_and(|velocity| {
                     (velocity - side.other.velocity.linear).dot(face) * side.dt > flush
@@ -201,7 +209,7 @@ impl<'a> Side<'a> {
             dt,
             other_slot: slots[1 - obstacle],
             sign: [-1.0, 1.0][obstacle],
-            flush: (FLUSH * size).min(FLUSH_OF_ENVELOPE * outer.max(0.0)),
+            flush: (FLUSH_HEIGHT * size).min(FLUSH_OF_ENVELOPE * outer.max(0.0)),
         }
     }
 
@@ -226,9 +234,9 @@ impl<'a> Side<'a> {
                 let mut across = local();
                 let along = across.abs().max_position();
                 across[along] = 0.0;
-                across.length_squared() > LEANS * LEANS
+                across.length_squared() > FACE_LEAN * FACE_LEAN
             }
-            Some(TypedShape::Cylinder(_)) => local().xz().length_squared() > LEANS * LEANS,
+            Some(TypedShape::Cylinder(_)) => local().xz().length_squared() > FACE_LEAN * FACE_LEAN,
             _ => !self.is_smooth(),
         }
     }
@@ -340,7 +348,7 @@ impl Piece<'_> {
     fn height_over(&self, at: Vec3, along: Vec3) -> f32 {
         let (local, way) = self.local(at, along);
         if let TypedShape::HalfSpace(half_space) = self.shape().as_typed_shape() {
-            return match (way - half_space.normal).length() < LEANS {
+            return match (way - half_space.normal).length() < FACE_LEAN {
                 true => -local.dot(way),
                 false => f32::INFINITY,
             };

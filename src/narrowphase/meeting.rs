@@ -15,12 +15,12 @@ use crate::solver::Both;
 use glam::Vec3;
 
 /// Bodies that move past each other by less than this share of the smaller one's size until they meet are not detected again.
-const ASIDE: f32 = 0.005;
+const MIN_PASSING_MOTION: f32 = 0.005;
 
 /// A body that moves by more than so many times its size in a step keeps the lever arms that it has at the start of the step. With those
 /// that it has where it meets another body, friction would set it spinning by as many radians a step, and its corners would pass through
 /// walls, since lever arms are fixed during a step. Over the long way to the other body friction cannot turn it. A ball has no corners.
-const TUMBLING: f32 = 2.0;
+const MAX_SIZES_PER_STEP: f32 = 2.0;
 
 /// Finds the contact of two bodies whose faces do not face each other now, if they meet within the step. `apart` is a lower bound of their
 /// distance, and `reach` that of the search, m.
@@ -103,7 +103,7 @@ fn have_faces([a, b]: [&BodyState; 2]) -> bool {
     matches!(ours(&form_a, &form_b), [Some(_), Some(_)])
 }
 
-/// Whether one of the bodies moves so far that a blow would make it tumble; see [`TUMBLING`].
+/// Whether one of the bodies moves so far that a blow would make it tumble; see [`MAX_SIZES_PER_STEP`].
 fn tumbles([a, b]: [&BodyState; 2], dt: f32) -> bool {
     let flight = passing::flight(a, b, dt);
     let is_ball = |body: &BodyState| body.shape().is_some_and(|shape| shape.as_ball().is_some());
@@ -111,7 +111,7 @@ fn tumbles([a, b]: [&BodyState; 2], dt: f32) -> bool {
     [a, b]
         .into_iter()
         .filter(spins)
-        .any(|body| flight > TUMBLING * body.size)
+        .any(|body| flight > MAX_SIZES_PER_STEP * body.size)
 }
 
 /// Returns when the first points of a contact close, s, if that is within `dt` and the bodies move past each other until then.
@@ -141,7 +141,8 @@ fn time_until_contact([a, b]: [&BodyState; 2], manifold: &Manifold, dt: f32) -> 
     }
     let (time, normal) = first;
     let aside = (b.velocity.linear - a.velocity.linear).reject_from_normalized(normal) * time;
-    (normal != Vec3::ZERO && aside.length() > ASIDE * a.size.min(b.size)).then_some(time)
+    (normal != Vec3::ZERO && aside.length() > MIN_PASSING_MOTION * a.size.min(b.size))
+        .then_some(time)
 }
 
 /// Turns a contact of bodies that have `moved` for a time, s, into one where they are now.
@@ -165,14 +166,14 @@ fn move_back(found: &mut Manifold, [a, b]: [&BodyState; 2], moved: &[BodyState; 
 }
 
 /// Two bodies that fly past each other may touch if they are no farther apart than this share of the envelope.
-const TOUCHING: f32 = 0.1;
+const TOUCHING_GAP: f32 = 0.1;
 
 /// Sets that bodies meet straight ahead, for patches whose points are apart and do not know where they meet. Bodies that move by less than
 /// the envelope past each other are at rest within it; lever arms that change there would make them creep.
 fn go_straight(rules: &Rules, [a, b]: [&BodyState; 2], manifold: &mut Manifold) {
     let outer = rules.stabilization.outer_distance();
     let apart = match passing::flight(a, b, rules.time.dt) > outer {
-        true => TOUCHING * outer,
+        true => TOUCHING_GAP * outer,
         false => outer,
     };
     for patch in &mut manifold.patches {

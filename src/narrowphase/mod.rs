@@ -46,10 +46,10 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
 
 /// Share of the usual movement within which manifolds of round bodies are kept: so small that nothing can roll.
-const CREPT: f32 = 0.02;
+const ROUND_MOVEMENT_SHARE: f32 = 0.02;
 
 /// Number of pairs that are kept in the time in which the contacts of one pair are detected anew.
-const DETECTION: usize = 32;
+const PAIRS_KEPT_PER_DETECTION: usize = 32;
 
 /// Computes the contacts of all pairs.
 pub fn narrowphase(
@@ -93,7 +93,7 @@ pub fn narrowphase(
             );
             threads.each_of(
                 columns,
-                *detected * DETECTION,
+                *detected * PAIRS_KEPT_PER_DETECTION,
                 |(pair, cache, manifold, impulses, anchors, targets)| {
                     if let Some([a, b]) = table.both(pair.slots) {
                         let kept = (manifold, impulses, anchors, targets);
@@ -226,7 +226,11 @@ fn look(
     }
     let curved = a.is_curved() || b.is_curved();
     // Contacts of rolling bodies must be computed where they are, or the bodies would gain speed.
-    let limit = if curved { CREPT * little } else { little };
+    let limit = if curved {
+        ROUND_MOVEMENT_SHARE * little
+    } else {
+        little
+    };
     let last = cache.last_pose;
     let since = last.since(a, b);
     if manifold.points.is_empty() && last.is_apart(a, b, search, || since) {
@@ -316,8 +320,8 @@ fn put_apart(a: &BodyState, b: &BodyState) -> bool {
     } else {
         b.radius
     };
-    moved + turned * radius > ROUNDING + 8.0 * f32::EPSILON * farthest
+    moved + turned * radius > MOVEMENT_ROUNDING + 8.0 * f32::EPSILON * farthest
 }
 
 /// Movements below this are rounding, m.
-const ROUNDING: f32 = 1e-5;
+const MOVEMENT_ROUNDING: f32 = 1e-5;

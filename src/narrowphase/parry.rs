@@ -13,7 +13,7 @@ use parry3d::shape::{PackedFeatureId, Shape, TypedShape};
 use smallvec::SmallVec;
 
 /// Points of a patch are merged if they are nearer to each other than this share of the smaller face's size.
-const MERGE: f32 = 0.05;
+const MERGE_DISTANCE: f32 = 0.05;
 
 /// Fills the manifold with the points whose distance is at most `reach`, m.
 pub(super) fn detect(
@@ -117,7 +117,7 @@ pub(super) fn detect(
             parts,
             ..
         } = face;
-        merge(&mut candidates, MERGE * size);
+        merge(&mut candidates, MERGE_DISTANCE * size);
         // A round side touches along a line. Points in its middle support nothing, and appear and disappear.
         if curved && reduction::is_line(&candidates, size) {
             reduction::keep_ends(&mut candidates);
@@ -136,10 +136,10 @@ pub(super) fn detect(
 }
 
 /// Normals count as equal if the cosine between them is above this.
-const PARALLEL: f32 = 1.0 - 1e-6;
+const PARALLEL_COSINE: f32 = 1.0 - 1e-6;
 
 /// Planes count as equal if their distance is less than this share of the smaller face's size.
-const EVEN: f32 = 1e-3;
+const COPLANAR_DISTANCE: f32 = 1e-3;
 
 /// The contact of two bodies in one plane. It becomes one patch, even if it extends over several triangles.
 struct Face {
@@ -160,9 +160,10 @@ impl Face {
             return false;
         };
         self.parts == other.parts
-            && self.normal.dot(other.normal) > PARALLEL
-            && here.normal.dot(there.normal) > PARALLEL
-            && here.normal.dot(there.on - here.on).abs() <= EVEN * self.size.min(other.size)
+            && self.normal.dot(other.normal) > PARALLEL_COSINE
+            && here.normal.dot(there.normal) > PARALLEL_COSINE
+            && here.normal.dot(there.on - here.on).abs()
+                <= COPLANAR_DISTANCE * self.size.min(other.size)
     }
 }
 

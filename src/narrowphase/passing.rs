@@ -13,10 +13,10 @@ use glam::{Quat, Vec3};
 use parry3d::query::{ShapeCastOptions, Unsupported, cast_shapes, contact, distance};
 
 /// A pair is fast if it moves at least this share of the smaller body's size in a step. The motion of slower pairs is not cast.
-const FAST: f32 = 0.25;
+const FAST_MOTION: f32 = 0.25;
 
 /// A pair that moves less than this share of the smaller body's size in a step counts as still.
-const SLOW: f32 = 0.005;
+const STILL_MOTION: f32 = 0.005;
 
 /// Returns true if all points are farther apart than `near` (m), and the bodies also stay farther apart than that along their motion within
 /// `dt`.
@@ -29,16 +29,18 @@ pub(super) fn pass(a: &BodyState, b: &BodyState, manifold: &Manifold, near: f32,
 pub(super) fn time_until_contact(a: &BodyState, b: &BodyState, dt: f32) -> Option<f32> {
     let size = a.size.min(b.size);
     let (way, sweep) = (flight(a, b, dt), sweep([a, b], dt));
-    if sweep > FAST * size {
-        let deeper = DEEPER * size / (way + sweep);
+    if sweep > FAST_MOTION * size {
+        let deeper = OVERLAP_AT_MEETING * size / (way + sweep);
         return Some((first_contact_of_turning([a, b], dt)? + deeper * dt).min(dt));
     }
-    if way < SLOW * size {
+    if way < STILL_MOTION * size {
         return None;
     }
     match is_fast(a, b, dt) {
         // At the end of the step they would have passed through each other.
-        true => Some((first_contact(a, b, 0.0, dt).ok()?? + DEEPER * size / way * dt).min(dt)),
+        true => Some(
+            (first_contact(a, b, 0.0, dt).ok()?? + OVERLAP_AT_MEETING * size / way * dt).min(dt),
+        ),
         false => Some(dt),
     }
 }
@@ -71,7 +73,7 @@ fn place_after(body: &BodyState, time: f32, turns: bool) -> (Vec3, Pose) {
 
 /// Whether the rotation of two bodies moves their surfaces by much in a step, as that of a door or of a ship does.
 pub(super) fn sweeps_far([a, b]: [&BodyState; 2], dt: f32) -> bool {
-    sweep([a, b], dt) > FAST * a.size.min(b.size)
+    sweep([a, b], dt) > FAST_MOTION * a.size.min(b.size)
 }
 
 /// Upper bound of how far rotation moves the surfaces of two bodies where they may meet, m. That of slender dynamic bodies is left out: a
@@ -90,11 +92,11 @@ fn sweep([a, b]: [&BodyState; 2], dt: f32) -> f32 {
 
 /// How far fast bodies are moved into each other to find the points in which they meet, as a share of the smaller one's size. Edges that
 /// meet exactly would only graze each other.
-const DEEPER: f32 = 0.1;
+const OVERLAP_AT_MEETING: f32 = 0.1;
 
-/// Whether the pair moves by at least the share [`FAST`] of the smaller body's size in a step.
+/// Whether the pair moves by at least the share [`FAST_MOTION`] of the smaller body's size in a step.
 pub(super) fn is_fast(a: &BodyState, b: &BodyState, dt: f32) -> bool {
-    flight(a, b, dt) >= FAST * a.size.min(b.size)
+    flight(a, b, dt) >= FAST_MOTION * a.size.min(b.size)
 }
 
 /// How far the two move relative to each other in a step, m, from their velocities at its beginning.
@@ -147,14 +149,14 @@ fn first_contact(
 /// distance over an upper bound of the speed at which surfaces approach each other.
 fn first_contact_of_turning([a, b]: [&BodyState; 2], dt: f32) -> Option<f32> {
     /// Most hits need ten steps. After so many the shapes count as touching.
-    const STEPS: usize = 50;
+    const MAX_STEPS: usize = 50;
     /// Shapes that are so near touch, as a share of the smaller one's size.
-    const NEAR: f32 = 1e-3;
+    const TOUCHING_DISTANCE: f32 = 1e-3;
     let (shape_a, shape_b) = (a.shape()?, b.shape()?);
     let speed = (flight(a, b, dt) + sweep([a, b], dt)) / dt;
-    let near = NEAR * a.size.min(b.size);
+    let near = TOUCHING_DISTANCE * a.size.min(b.size);
     let mut time = 0.0;
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let [at_a, at_b] = [a, b].both(|body| place_after(body, time, true).1.to_parry());
         let apart = distance(&at_a, shape_a, &at_b, shape_b).ok()?.distance;
         if apart <= near {

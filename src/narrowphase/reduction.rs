@@ -9,7 +9,7 @@ use super::candidates::Candidates;
 use glam::Vec3;
 
 /// A patch narrower than this share of the smaller face's size is a line.
-const NARROW: f32 = 0.01;
+const LINE_WIDTH: f32 = 0.01;
 
 /// The two points farthest from each other.
 fn farthest(points: &Candidates) -> (usize, usize) {
@@ -35,7 +35,7 @@ pub(super) fn is_line(points: &Candidates, size: f32) -> bool {
     let along = (points[b].position - first).normalize_or_zero();
     points.iter().all(|point| {
         let from = point.position - first;
-        (from - along * along.dot(from)).length() < NARROW * size
+        (from - along * along.dot(from)).length() < LINE_WIDTH * size
     })
 }
 

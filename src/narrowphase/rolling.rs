@@ -9,7 +9,7 @@ use super::candidates::Candidates;
 use super::reduction::is_line;
 
 /// Points carry no load if they are farther away than the nearest point by this share of the radius.
-const LOOSE: f32 = 2e-3;
+const UNLOADED_DISTANCE: f32 = 2e-3;
 
 /// Returns true if the points that carry load are a line or one point. `radius` is that of the smaller round body and `size` that of the
 /// smaller face, m.
@@ -17,6 +17,6 @@ pub(super) fn rolls(points: &Candidates, radius: f32, size: f32) -> bool {
     let distances = points.iter().map(|point| point.distance);
     let nearest = distances.fold(f32::INFINITY, f32::min);
     let mut carrying = points.clone();
-    carrying.retain(|point| point.distance <= nearest + LOOSE * radius);
+    carrying.retain(|point| point.distance <= nearest + UNLOADED_DISTANCE * radius);
     carrying.len() < 3 || is_line(&carrying, size)
 }

@@ -13,7 +13,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 pub struct FeatureId(pub u32);
 
 /// Number of bits for the index of a corner or an edge.
-const BITS: u32 = 15;
+const INDEX_BITS: u32 = 15;
 
 impl FeatureId {
     /// The feature is not known.
@@ -21,17 +21,17 @@ impl FeatureId {
 
     /// A corner of A.
     pub const fn corner_of_a(i: u16) -> Self {
-        Self(1 << (2 * BITS) | (i as u32) << BITS)
+        Self(1 << (2 * INDEX_BITS) | (i as u32) << INDEX_BITS)
     }
 
     /// A corner of B.
     pub const fn corner_of_b(i: u16) -> Self {
-        Self(2 << (2 * BITS) | i as u32)
+        Self(2 << (2 * INDEX_BITS) | i as u32)
     }
 
     /// An edge of A and one of B.
     pub const fn edges(of_a: u16, of_b: u16) -> Self {
-        Self(3 << (2 * BITS) | (of_a as u32) << BITS | of_b as u32)
+        Self(3 << (2 * INDEX_BITS) | (of_a as u32) << INDEX_BITS | of_b as u32)
     }
 
     /// This feature of one part of each body, for bodies with several parts.

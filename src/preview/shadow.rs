@@ -16,21 +16,21 @@ use bevy_time::{Fixed, Time};
 use parry3d::bounding_volume::Aabb;
 
 /// A body that has been still for this time counts as at rest, s.
-const STILL: f32 = 0.25;
+const REST_TIME: f32 = 0.25;
 
 /// A body counts as not falling if it has hardly moved since the beginning and its speed is below this share of the speed limits of
-/// sleeping. Before the time [`STILL`] has passed, the share is proportionally lower. To fall nevertheless, the body would have to
+/// sleeping. Before the time [`REST_TIME`] has passed, the share is proportionally lower. To fall nevertheless, the body would have to
 /// accelerate faster than a tipping body does.
 const SPEED_SHARE: f32 = 0.4;
 
-/// Before the time [`STILL`] has passed, the full share [`SPEED_SHARE`] holds for a body whose speed is below this multiple of that in the
+/// Before the time [`REST_TIME`] has passed, the full share [`SPEED_SHARE`] holds for a body whose speed is below this multiple of that in the
 /// step before: it comes to rest, because a body that begins to fall gains speed. The springs of contacts that were unloaded push bodies
 /// away with some mm/s, and a quarter less in each step.
-const SLOWING: f32 = 0.9;
+const SLOWING_FACTOR: f32 = 0.9;
 
 /// No world counts as at rest before this time, s: two steps at 60 Hz. In a shorter time nothing gets fast enough to be told from what
 /// rests.
-const SOONEST: f32 = 0.03;
+const MIN_REST_TIME: f32 = 0.03;
 
 /// Number of steps beyond which steps are lengthened, but not beyond those of 60 Hz. It is that of ten seconds at 240 Hz.
 const MOST_STEPS: f32 = 2400.0;
@@ -165,8 +165,8 @@ impl Shadow {
             step(&mut self.world, dt).expect("the length of a step has been checked");
             time += f64::from(dt);
             let passed = time as f32;
-            let share_now = SPEED_SHARE * (passed / STILL).min(1.0);
-            rests = passed >= SOONEST;
+            let share_now = SPEED_SHARE * (passed / REST_TIME).min(1.0);
+            rests = passed >= MIN_REST_TIME;
             for (body, kind, sleeping, pose, velocity) in bodies.iter(&self.world) {
                 if *kind != RigidBody::Dynamic {
                     continue;
@@ -181,17 +181,17 @@ impl Shadow {
                     continue;
                 }
                 // Bodies that were awake before the edit may have been still for a long time already.
-                let was_still = passed >= STILL && sleeping.still_for >= STILL;
+                let was_still = passed >= REST_TIME && sleeping.still_for >= REST_TIME;
                 let stays = match seen.entry(body) {
                     Entry::Occupied(mut entry) => {
                         let seen = entry.get_mut();
                         let before = std::mem::replace(&mut seen.speeds, speeds);
-                        let share = |i: usize| match speeds[i] < SLOWING * before[i] {
+                        let share = |i: usize| match speeds[i] < SLOWING_FACTOR * before[i] {
                             true => SPEED_SHARE,
                             false => share_now,
                         };
                         is_less(&slow, [share(0), share(1)], speeds)
-                            && is_less(&slow, [passed.min(STILL); 2], way(&seen.first, pose))
+                            && is_less(&slow, [passed.min(REST_TIME); 2], way(&seen.first, pose))
                     }
                     Entry::Vacant(entry) => {
                         entry.insert(now);

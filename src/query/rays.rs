@@ -26,10 +26,10 @@ pub struct RayHit {
 }
 
 /// Cost of a ray relative to the items that [`PhysicsThreads`](crate::settings::PhysicsThreads) counts.
-const WEIGHT: usize = 64;
+const RAY_COST: usize = 64;
 
 /// Number of rays that one thread casts at a time, at least.
-const SHARE: usize = 16;
+const RAYS_PER_TASK: usize = 16;
 
 impl Target<'_> {
     fn distance_along(&self, ray: &Ray, max_distance: f32, filter: &QueryFilter) -> Option<f32> {
@@ -149,12 +149,12 @@ impl SpatialQuery<'_, '_> {
         filter: &QueryFilter,
     ) -> Result<Vec<Option<RayHit>>, QueryError> {
         let cast = |&ray: &Ray3d| self.cast_ray(ray, max_distance, filter);
-        let weight = WEIGHT * rays.len();
+        let weight = RAY_COST * rays.len();
         match self.threads.runs_in_parallel(weight) {
             true => {
                 let mut hits = vec![Ok(None); rays.len()];
                 self.threads.run(weight, || {
-                    (rays, &mut *hits).share(SHARE, &|(ray, hit)| *hit = cast(ray));
+                    (rays, &mut *hits).share(RAYS_PER_TASK, &|(ray, hit)| *hit = cast(ray));
                 });
                 hits.into_iter().collect()
             }

@@ -15,7 +15,7 @@ use parry3d::shape::Shape;
 use smallvec::SmallVec;
 
 /// Overlaps and gaps up to this count as touching, m. What rests overlaps by up to 0.02 mm.
-const TOUCHING: f32 = 5e-5;
+const TOUCHING_DISTANCE: f32 = 5e-5;
 
 /// The directions off what a shape touches at the start of a cast.
 #[derive(Clone, Debug)]
@@ -32,14 +32,18 @@ impl Touches {
     fn at(place: Vec3) -> Self {
         Self {
             normals: SmallVec::new(),
-            reach: TOUCHING + 2.0 * f32::EPSILON * place.abs().max_element(),
+            reach: TOUCHING_DISTANCE + 2.0 * f32::EPSILON * place.abs().max_element(),
         }
     }
 
     fn add(&mut self, normal: Vec3) {
         /// Cosine of the angle between directions that are the same.
-        const SAME: f32 = 0.99;
-        if self.normals.iter().all(|known| known.dot(normal) < SAME) {
+        const SAME_DIRECTION_COSINE: f32 = 0.99;
+        if self
+            .normals
+            .iter()
+            .all(|known| known.dot(normal) < SAME_DIRECTION_COSINE)
+        {
             self.normals.push(normal);
         }
     }
@@ -117,8 +121,8 @@ pub(super) fn start(
     reach: f32,
 ) -> Option<Contact> {
     /// Parry knows gaps of curved shapes to some tenths of a millimetre only, and overlaps of all shapes to some micrometres.
-    const INEXACT: f32 = 10.0;
-    let mut contact = contact(shape, other, at, INEXACT * reach).ok()??;
+    const CURVED_FACTOR: f32 = 10.0;
+    let mut contact = contact(shape, other, at, CURVED_FACTOR * reach).ok()??;
     let push = contact.dist + 2.0 * reach;
     if push > 0.0 {
         let mut pushed = *at;
@@ -166,7 +170,7 @@ pub(super) fn contact(
         return DefaultQueryDispatcher.contact(at, shape, other, reach);
     }
     /// Inner shapes that are closer meet, m.
-    const MEET: f32 = 1e-4;
+    const MEETING_DISTANCE: f32 = 1e-4;
     let (mut found, mut meet) = (Ok(None), false);
     with_core(shape, &mut |inner, border| {
         with_core(other, &mut |other_inner, other_border| {
@@ -175,7 +179,7 @@ pub(super) fn contact(
             if let Ok(Some(contact)) = &mut found
                 && borders > 0.0
             {
-                meet = contact.dist < MEET;
+                meet = contact.dist < MEETING_DISTANCE;
                 contact.dist -= borders;
                 contact.point1 += contact.normal1 * border;
                 contact.point2 += contact.normal2 * other_border;

@@ -1,7 +1,7 @@
 //! Casts of a shape against another, part by part.
 
 use super::touches::{Touches, contact, start};
-use crate::body::collider::{Approach, TOUCH, first_touch};
+use crate::body::collider::{Approach, TOUCHING_DISTANCE, first_touch};
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose as ParryPose;
@@ -81,10 +81,10 @@ impl Way {
     fn first_touch(&self, shape: &dyn Shape, other: &dyn Shape) -> Found {
         /// The normal is that of the closest points so much before the hit, m, or where they are so far apart: the smaller the gap, the
         /// less is known about its direction.
-        const BEFORE: f32 = 1e-3;
-        const APART: f32 = 2e-4;
+        const NORMAL_DISTANCE: f32 = 1e-3;
+        const NORMAL_GAP: f32 = 2e-4;
         /// The flattest angle for which this is looked at.
-        const FLATTEST: f32 = 0.01;
+        const MIN_ANGLE: f32 = 0.01;
         let at = |way: f32| {
             let mut at = self.from;
             at.translation += self.direction * way;
@@ -106,10 +106,10 @@ impl Way {
                 return DefaultQueryDispatcher.cast_shapes(from, direction, other, shape, options);
             }
         };
-        let back = BEFORE.max(APART / closing.max(FLATTEST));
+        let back = NORMAL_DISTANCE.max(NORMAL_GAP / closing.max(MIN_ANGLE));
         if way > 0.0
             && let Some(before) = at((way - back).max(0.0))?
-            && before.dist > TOUCH
+            && before.dist > TOUCHING_DISTANCE
         {
             (touch.normal1, touch.normal2) = (before.normal1, before.normal2);
         }
@@ -120,21 +120,21 @@ impl Way {
     /// first grows and then decreases, so it is enough to look at some places, at first close to each other.
     fn enters(&self, shape: &dyn Shape, other: &dyn Shape, way: f32) -> Result<bool, Unsupported> {
         /// How far a shape is lifted, as a multiple of the depth of shapes that touch.
-        const LIFT: f32 = 1.2;
+        const LIFT_FACTOR: f32 = 1.2;
         /// Distance of the first place, as a multiple of the same, and the ratio of those of subsequent places.
-        const FIRST: f32 = 3.0;
-        const GROWTH: f32 = 4.0;
+        const FIRST_PLACE: f32 = 3.0;
+        const PLACE_RATIO: f32 = 4.0;
         /// A short cast enters what it would enter within so many times the depth of shapes that touch.
-        const FAR: f32 = 1e3;
+        const MAX_CAST_FACTOR: f32 = 1e3;
         /// No two bodies are that large, m.
-        const LARGEST: f32 = 1e5;
+        const MAX_SIZE: f32 = 1e5;
         if self.touches.normals.is_empty() {
             return Ok(true);
         }
         let reach = self.touches.reach;
-        let far = (self.max_distance - way).clamp(FAR * reach, LARGEST);
+        let far = (self.max_distance - way).clamp(MAX_CAST_FACTOR * reach, MAX_SIZE);
         let near = other.compute_local_aabb().loosened(reach);
-        let mut on = FIRST * reach;
+        let mut on = FIRST_PLACE * reach;
         loop {
             let mut at = self.from;
             at.translation += self.direction * (way + on);
@@ -147,7 +147,7 @@ impl Way {
             let mut enters = contact.is_some_and(|contact| depths.contains(&-contact.dist));
             for normal in &self.touches.normals {
                 let mut lifted = at;
-                lifted.translation += normal * (LIFT * reach + rounding);
+                lifted.translation += normal * (LIFT_FACTOR * reach + rounding);
                 enters = enters
                     && (DefaultQueryDispatcher.intersection_test(&lifted, other, shape)?)
                         .intersecting;
@@ -155,7 +155,7 @@ impl Way {
             if enters || on >= far || !near.intersects(&shape.compute_aabb(&at)) {
                 return Ok(enters);
             }
-            on = (GROWTH * on).min(far);
+            on = (PLACE_RATIO * on).min(far);
         }
     }
 
@@ -189,13 +189,13 @@ impl Way {
     /// Walks over the field in pieces of the way. Parry's own walk stays in the first cells if the way is level.
     fn on_field(&self, shape: &dyn Shape, field: &HeightField) -> Found {
         /// Length of a piece, in cells.
-        const CELLS: f32 = 4.0;
+        const PIECE_CELLS: f32 = 4.0;
         let start = shape.compute_aabb(&self.from);
         let Some(enters) = self.until(&start, field.root_aabb(), self.max_distance) else {
             return Ok(None);
         };
         let cells = field.cell_width().max(field.cell_height());
-        let piece = (CELLS * cells).max(start.extents().max_element());
+        let piece = (PIECE_CELLS * cells).max(start.extents().max_element());
         let (mut from, mut best) = (enters, None::<ShapeCastHit>);
         loop {
             let to = (from + piece).min(self.max_distance);

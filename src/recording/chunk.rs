@@ -28,7 +28,7 @@ pub(super) const NAME: &[u8; 8] = b"DRYSTREC";
 pub(super) const VERSION: u32 = 6;
 
 /// Length of the head of a chunk.
-const HEAD: usize = 17;
+const HEAD_LENGTH: usize = 17;
 
 /// What a chunk contains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,12 +58,12 @@ pub(super) fn push<E>(
     fill: impl FnOnce(&mut Vec<u8>) -> Result<(), E>,
 ) -> Result<(), E> {
     let start = out.len();
-    out.extend([0; HEAD]);
+    out.extend([0; HEAD_LENGTH]);
     if let Err(error) = fill(out) {
         out.truncate(start);
         return Err(error);
     }
-    let (head, contents) = out[start..].split_at_mut(HEAD);
+    let (head, contents) = out[start..].split_at_mut(HEAD_LENGTH);
     head[0] = tag as u8;
     head[1..5].copy_from_slice(&(contents.len() as u32).to_le_bytes());
     head[5..13].copy_from_slice(&Checksum::of(contents).to_bytes());
@@ -88,7 +88,9 @@ pub(super) fn next<'a>(from: &mut &'a [u8]) -> Result<(Tag, &'a [u8]), Missing> 
     if from.is_empty() {
         return Err(Missing::End);
     }
-    let (head, rest) = from.split_first_chunk::<HEAD>().ok_or(Missing::CutOff)?;
+    let (head, rest) = from
+        .split_first_chunk::<HEAD_LENGTH>()
+        .ok_or(Missing::CutOff)?;
     let [tag, l0, l1, l2, l3, ..] = *head;
     let (first, last) = (&head[..13], &head[13..]);
     if of_head(first) != *last {
@@ -154,7 +156,12 @@ mod tests {
     #[test]
     fn a_chunk_that_is_cut_off_is_told_from_a_damaged_one() {
         let all = chunks();
-        let ends = [0, HEAD + 10, 2 * HEAD + 10, 3 * HEAD + 11];
+        let ends = [
+            0,
+            HEAD_LENGTH + 10,
+            2 * HEAD_LENGTH + 10,
+            3 * HEAD_LENGTH + 11,
+        ];
         for len in 0..=all.len() {
             let whole = ends.iter().filter(|&&end| end > 0 && end <= len).count();
             let missing = match ends.contains(&len) {

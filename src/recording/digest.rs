@@ -119,7 +119,7 @@ fn hash(order: SpawnOrder, pose: &Pose, velocity: &Velocity) -> u32 {
         [pair(linear.y, linear.z), pair(angular.x, angular.y)],
         [u64::from(angular.z.to_bits()), order.0],
     ];
-    let products = words.into_iter().zip(KEYS).map(|([a, b], [k, l])| {
+    let products = words.into_iter().zip(HASH_KEYS).map(|([a, b], [k, l])| {
         let product = u128::from(a ^ k) * u128::from(b ^ l);
         product as u64 ^ (product >> 64) as u64
     });
@@ -128,7 +128,7 @@ fn hash(order: SpawnOrder, pose: &Pose, velocity: &Velocity) -> u32 {
 }
 
 /// Random numbers, so that no two products are alike: digits of π.
-const KEYS: [[u64; 2]; 4] = [
+const HASH_KEYS: [[u64; 2]; 4] = [
     [0x243f_6a88_85a3_08d3, 0x1319_8a2e_0370_7344],
     [0xa409_3822_299f_31d0, 0x082e_fa98_ec4e_6c89],
     [0x4528_21e6_38d0_1377, 0xbe54_66cf_34e9_0c6c],

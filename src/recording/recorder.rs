@@ -30,10 +30,10 @@ pub(super) mod flags {
 }
 
 /// A file is written after so many steps, and when the recording stops.
-const STEPS: usize = 60;
+const STEPS_PER_WRITE: usize = 60;
 
 /// A file is written when so many bytes wait.
-const BYTES: usize = 1 << 20;
+const BYTES_PER_WRITE: usize = 1 << 20;
 
 /// Where a world is recorded to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -146,7 +146,7 @@ impl Out {
     /// Writes the file if it is time.
     fn end_step(&mut self) -> Result<(), RecordingError> {
         self.steps += 1;
-        if self.steps >= STEPS || self.waiting.len() >= BYTES {
+        if self.steps >= STEPS_PER_WRITE || self.waiting.len() >= BYTES_PER_WRITE {
             self.write_file()?;
         }
         Ok(())

@@ -89,7 +89,7 @@ impl Default for SpeedLimits {
 }
 
 /// Structures settle below this many times the speeds at which bodies count as still.
-const SLOW: f32 = 10.0;
+const SETTLING_SPEED_FACTOR: f32 = 10.0;
 
 /// When bodies fall asleep. Sleeping bodies are not simulated until something wakes them.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
@@ -153,7 +153,8 @@ impl SleepSettings {
         let settles = !self.is_off() && self.settling > 0.0;
         settles.then(|| Settling {
             rate: self.settling,
-            below: [self.linear_speed, self.angular_speed].both(|speed| SLOW * speed),
+            below: [self.linear_speed, self.angular_speed]
+                .both(|speed| SETTLING_SPEED_FACTOR * speed),
         })
     }
 }

@@ -25,7 +25,7 @@ pub struct PhysicsThreads {
 
 /// Number of pairs at rest that are as much work as one item. The next stage, which may run on one thread, reads from the caches of several
 /// cores what they have written: with one pair for one item, a wall of 2 400 bricks (7 200 pairs) took a tenth longer on two threads.
-const LIGHT: usize = 4;
+const RESTING_PAIRS_PER_ITEM: usize = 4;
 
 impl Default for PhysicsThreads {
     fn default() -> Self {
@@ -135,7 +135,7 @@ impl PhysicsThreads {
         })
     }
 
-    /// Does work on each row of some columns, in parallel if there are enough rows. [`LIGHT`] rows count as one item.
+    /// Does work on each row of some columns, in parallel if there are enough rows. [`RESTING_PAIRS_PER_ITEM`] rows count as one item.
     pub(crate) fn each<C: Columns>(&self, columns: C, work: impl Fn(C::Row) + Sync) {
         self.each_of(columns, 0, work);
     }
@@ -148,7 +148,7 @@ impl PhysicsThreads {
         work: impl Fn(C::Row) + Sync,
     ) {
         let rows = columns.rows();
-        let items = rows / LIGHT + more;
+        let items = rows / RESTING_PAIRS_PER_ITEM + more;
         match self.runs_in_parallel(items) {
             true => {
                 let grain = self.min_items / 8 * rows / items.max(1);

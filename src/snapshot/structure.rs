@@ -11,7 +11,7 @@ use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
 
 /// Hooks of components may insert others, so the components are compared several times.
-const ROUNDS: usize = 4;
+const MAX_ROUNDS: usize = 4;
 
 /// How the entities of a world differ from those of a snapshot.
 #[derive(Debug, Default)]
@@ -103,7 +103,7 @@ pub(super) fn restore(
     if is_same && !any {
         return;
     }
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         // Every round anew, because the world may not have known some of the components.
         let known = KnownKinds::of_world(world, columns);
         let all = Differences::find(world, &known, on);

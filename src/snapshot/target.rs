@@ -25,13 +25,13 @@ pub(super) enum RowsByIndex {
 }
 
 /// A list has at most so many entries for each entity, and so many more.
-const SPARSE: [usize; 2] = [64, 1 << 16];
+const MAX_LENGTH: [usize; 2] = [64, 1 << 16];
 
 impl RowsByIndex {
     pub fn new(entities: &[Entity]) -> Self {
         let last = entities.iter().map(|entity| entity.index_u32()).max();
         let len = last.map_or(0, |last| last as usize + 1);
-        if len > SPARSE[0] * entities.len() + SPARSE[1] {
+        if len > MAX_LENGTH[0] * entities.len() + MAX_LENGTH[1] {
             return Self::Map(entities.iter().copied().zip(0..).collect());
         }
         let mut rows = vec![NOWHERE; len];

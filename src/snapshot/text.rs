@@ -3,7 +3,7 @@
 //! Every part of the state has a `Debug` form with all of its fields, reflected or not. Its pretty form has one field a line.
 
 /// Names of types of which each value is used once, so that two of them never agree.
-const UNIQUE: [&str; 2] = ["Revision(", "Tick {"];
+const UNIQUE_TYPES: [&str; 2] = ["Revision(", "Tick {"];
 
 /// A value with its fields.
 #[derive(Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ impl Tree {
             head: head.to_owned(),
             fields,
         };
-        if UNIQUE.contains(&&*tree.head) {
+        if UNIQUE_TYPES.contains(&&*tree.head) {
             tree.fields.clear();
         }
         // The order of a set or map has no meaning.
@@ -81,7 +81,11 @@ impl Tree {
     }
 
     fn is_optional_revision(&self) -> bool {
-        self.head == "Some(" && self.fields.iter().all(|of| UNIQUE.contains(&&*of.head))
+        self.head == "Some("
+            && self
+                .fields
+                .iter()
+                .all(|of| UNIQUE_TYPES.contains(&&*of.head))
     }
 
     fn short(&self) -> String {

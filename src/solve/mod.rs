@@ -30,7 +30,8 @@ use crate::profile::SolvePart;
 use crate::settings::{Columns, Method};
 use crate::solver::{Body, join::join, sort};
 use crate::warm_start::{
-    Grabs, Island, IslandProblems, Joints, LARGE, Pairs, ProblemSet, Rows, SolveContext,
+    Grabs, Island, IslandProblems, Joints, LARGE_ISLAND_FACTOR, Pairs, ProblemSet, Rows,
+    SolveContext,
 };
 use bevy_ecs::prelude::*;
 use bevy_platform::time::Instant;
@@ -38,7 +39,7 @@ use glam::Vec3;
 pub use reports::{IslandReport, ReportWriter, SolveReports};
 
 /// Maximum number of small islands that are solved together, so that their blocks stay in the cache.
-const TOGETHER: usize = 256;
+const MAX_ISLANDS_TOGETHER: usize = 256;
 
 /// The system of the stage.
 pub fn solve(
@@ -184,7 +185,7 @@ impl Solve<'_> {
             if threads.runs_in_parallel(points) {
                 let (mut small, mut large): (Vec<_>, Vec<_>) =
                     work.partition(|island| is_small(island));
-                let mut small: Vec<_> = small.chunks_mut(TOGETHER).collect();
+                let mut small: Vec<_> = small.chunks_mut(MAX_ISLANDS_TOGETHER).collect();
                 threads.run(points, || {
                     join(
                         || (&mut *large,).share(1, &|(island,)| solve(island)),
@@ -199,9 +200,9 @@ impl Solve<'_> {
                         false => solve(island),
                     }
                 }
-                small.chunks_mut(TOGETHER).for_each(solve_small);
+                small.chunks_mut(MAX_ISLANDS_TOGETHER).for_each(solve_small);
             }
-        } else if threads.runs_in_parallel(points / LARGE) {
+        } else if threads.runs_in_parallel(points / LARGE_ISLAND_FACTOR) {
             threads.run(points, || work.for_each(solve));
         } else {
             work.for_each(solve);

@@ -5,7 +5,7 @@ use crate::solver::{
     Body, GrabConstraint, JointConstraint, PatchConstraint, PatchPoint, PatchProblem, PatchSolver,
     SMALL_ISLAND_PATCHES, SoftStep, SolveReport, patches,
 };
-use crate::warm_start::{Island, LARGE, PatchRows, Rows, SolveContext};
+use crate::warm_start::{Island, LARGE_ISLAND_FACTOR, PatchRows, Rows, SolveContext};
 
 impl PatchRows {
     pub(super) fn solve(
@@ -78,7 +78,7 @@ pub(crate) fn settle(island: &mut Island, context: &SolveContext) -> bool {
 }
 
 /// Number of solves in which the loads of an island with joints settle. A table has them after the first.
-const SOLVES: usize = 60;
+const SETTLING_SOLVES: usize = 60;
 
 /// Solves an island with joints again and again without moving it, until contacts and joints bear it, whatever the solver of awake islands.
 fn settle_joined(
@@ -88,7 +88,7 @@ fn settle_joined(
     context: &SolveContext,
 ) {
     let start = bodies.to_vec();
-    for _ in 0..SOLVES {
+    for _ in 0..SETTLING_SOLVES {
         bodies.copy_from_slice(&start);
         SoftStep::default().solve(&mut problem(rows, bodies, &mut [], joints, context));
     }
@@ -116,7 +116,10 @@ fn problem<'a>(
     joints: &'a mut [JointConstraint],
     context: &SolveContext,
 ) -> PatchProblem<'a> {
-    let threads = match context.threads.runs_in_parallel(rows.points.len() / LARGE) {
+    let threads = match context
+        .threads
+        .runs_in_parallel(rows.points.len() / LARGE_ISLAND_FACTOR)
+    {
         true => context.threads.count(),
         false => 1,
     };

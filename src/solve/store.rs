@@ -7,7 +7,7 @@ use crate::joint_types::JointForces;
 use crate::mortar::MortarBroke;
 use crate::pair::{ContactImpulses, Impulse, PatchImpulse, PointFriction};
 use crate::solver::{Both, GrabConstraint, groups::Groups, sort};
-use crate::warm_start::{Grabs, Island, LARGE, Pairs, ProblemSet, Rows, Stored};
+use crate::warm_start::{Grabs, Island, LARGE_ISLAND_FACTOR, Pairs, ProblemSet, Rows, Stored};
 use bevy_ecs::change_detection::DetectChangesMut;
 use glam::Vec3;
 
@@ -34,7 +34,9 @@ impl Solve<'_> {
         let ProblemSet { order, islands, .. } = problems;
         let points: usize = islands.iter().map(Island::points).sum();
         let threads = &*self.context.threads;
-        let threads = threads.runs_in_parallel(points / LARGE).then_some(threads);
+        let threads = threads
+            .runs_in_parallel(points / LARGE_ISLAND_FACTOR)
+            .then_some(threads);
         order.store_each(pairs, self.graph, threads, |stored: Stored| {
             let Stored {
                 island,

@@ -11,25 +11,25 @@ use super::scaled::Scaled;
 use crate::solver::Both;
 
 /// Relative tolerance of the equations.
-const EXACT: f64 = 3e-7;
+const EQUATION_TOLERANCE: f64 = 3e-7;
 
 /// Relative tolerance of the change of the load in the last step.
-const SETTLED: f64 = 1e-4;
+const LOAD_TOLERANCE: f64 = 1e-4;
 
 /// Relative tolerance of the equations if rounding prevents any further progress.
-const ALMOST: f64 = 1e-4;
+const ROUNDED_EQUATION_TOLERANCE: f64 = 1e-4;
 
 /// Relative tolerance of a proof that there is no solution.
-const PROVEN: f64 = 1e-8;
+const PROOF_TOLERANCE: f64 = 1e-8;
 
 /// Maximum number of steps.
-const STEPS: usize = 100;
+const MAX_STEPS: usize = 100;
 
 /// Minimum length of a step; 1 is the full Newton step.
-const SHORTEST: f64 = 1e-5;
+const MIN_STEP: f64 = 1e-5;
 
 /// Length of a step as a share of the distance to the boundary of the cones.
-const NEAR: f64 = 0.99;
+const BOUNDARY_SHARE: f64 = 0.99;
 
 /// The result of a program.
 pub(super) enum Outcome {
@@ -98,14 +98,14 @@ pub(super) fn solve(program: &Program, scaled: &mut Scaled) -> Outcome {
         degree: program.faces.iter().map(cones).sum::<usize>() as f64 + 1.0,
     };
     let mut point = method.start();
-    let (mut before, mut best, mut length) = (f64::INFINITY, ALMOST, 1.0);
+    let (mut before, mut best, mut length) = (f64::INFINITY, ROUNDED_EQUATION_TOLERANCE, 1.0);
     let mut kept = Outcome::Unsolved;
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let residuals = method.residuals(&point);
         let error = method.error(&point, &residuals);
         let load = point.y / point.t;
-        let settled = (load - before).abs() <= SETTLED * load.abs().max(1e-6);
-        if error <= EXACT && settled {
+        let settled = (load - before).abs() <= LOAD_TOLERANCE * load.abs().max(1e-6);
+        if error <= EQUATION_TOLERANCE && settled {
             return point.solution();
         }
         if let Some(outcome) = method.proof(&point, &residuals) {
@@ -116,8 +116,8 @@ pub(super) fn solve(program: &Program, scaled: &mut Scaled) -> Outcome {
             kept = point.solution();
         }
         // Rounding makes the point worse again.
-        let diverges = best < 0.1 * ALMOST && error > 10.0 * best;
-        if diverges || !error.is_finite() || length < SHORTEST {
+        let diverges = best < 0.1 * ROUNDED_EQUATION_TOLERANCE && error > 10.0 * best;
+        if diverges || !error.is_finite() || length < MIN_STEP {
             break;
         }
         before = load;
@@ -176,12 +176,12 @@ impl Method<'_> {
         }
         let cost = self.costs.dot(x);
         let primal = largest(&residuals.s).max(self.loads.dot(x).abs());
-        if -cost * PROVEN * x.largest().max(largest(s)).max(1.0) > primal {
+        if -cost * PROOF_TOLERANCE * x.largest().max(largest(s)).max(1.0) > primal {
             return Some(Outcome::Falls);
         }
         let mut balance = residuals.x.clone();
         balance.add(-t, &self.costs);
-        let endless = y * PROVEN * largest(z).max(*y).max(1.0) > balance.largest();
+        let endless = y * PROOF_TOLERANCE * largest(z).max(*y).max(1.0) > balance.largest();
         endless.then_some(Outcome::Endless)
     }
 
@@ -206,7 +206,7 @@ impl Method<'_> {
             &corrections,
             correction,
         );
-        let length = (NEAR * self.max_length(point, &direction)).min(1.0);
+        let length = (BOUNDARY_SHARE * self.max_length(point, &direction)).min(1.0);
         point.add(length, &direction);
         length
     }

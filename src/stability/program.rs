@@ -23,22 +23,22 @@ use crate::solver::Both;
 use glam::{DVec3, Vec3};
 
 /// Bodies slower than this share of the fastest count as not moving.
-const MOVES: f64 = 0.01;
+const MOVING_SHARE: f64 = 0.01;
 
 /// A load of this many times the total weight counts as infinite.
-const ENDLESS: f64 = 1e4;
+const INFINITE_LOAD: f64 = 1e4;
 
 /// ε: the share of the slope of a cone of friction that is kept.
-const SLOPE: f64 = 0.01;
+const SLOPE_SHARE: f64 = 0.01;
 
 /// Maximum number of rounds.
-const ROUNDS: usize = 8;
+const MAX_ROUNDS: usize = 8;
 
 /// Rounds end if the load changes by no more than this share.
-const STEADY: f64 = 2e-3;
+const SETTLED_CHANGE: f64 = 2e-3;
 
 /// Tolerance of the cones, as a share of the mean weight of a body.
-const WITHIN: f64 = 1e-4;
+const CONE_TOLERANCE: f64 = 1e-4;
 
 /// The load that is increased.
 pub(super) enum Load {
@@ -109,7 +109,7 @@ impl Structure {
             found => found?,
         };
         let mut before = Vec::new();
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             if found.load.is_infinite() {
                 return Ok(Margin {
                     limit: f32::INFINITY,
@@ -127,7 +127,7 @@ impl Structure {
             }
             let relieved: Vec<bool> = under_load
                 .iter()
-                .map(|&normal_force| normal_force <= WITHIN * self.units[0])
+                .map(|&normal_force| normal_force <= CONE_TOLERANCE * self.units[0])
                 .collect();
             if relieved == before {
                 break;
@@ -144,7 +144,7 @@ impl Structure {
                 Err(StabilityError::Falls) => break,
                 found => found?,
             };
-            if (found.load - load).abs() <= STEADY * load.abs() {
+            if (found.load - load).abs() <= SETTLED_CHANGE * load.abs() {
                 break;
             }
         }
@@ -175,7 +175,7 @@ impl Structure {
 
     /// Width c of the cone of a joint with this normal force, N.
     fn width(joint: &Joint, normal_force: f64) -> f64 {
-        joint.friction * (1.0 - SLOPE) * normal_force
+        joint.friction * (1.0 - SLOPE_SHARE) * normal_force
     }
 
     /// Returns true if a solution also solves the next round, whose cones have the width that these normal forces give. This is so if its
@@ -189,12 +189,12 @@ impl Structure {
             }
             let width = Self::width(joint, normal_force);
             more += forces.sensitivity * (width - forces.width);
-            let cone = width + joint.friction * SLOPE * forces.normal_force;
-            if forces.friction > cone + WITHIN * self.units[0] {
+            let cone = width + joint.friction * SLOPE_SHARE * forces.normal_force;
+            if forces.friction > cone + CONE_TOLERANCE * self.units[0] {
                 return false;
             }
         }
-        more.abs() <= STEADY * found.load.abs()
+        more.abs() <= SETTLED_CHANGE * found.load.abs()
     }
 
     /// The factor of the load in the program. It makes the largest force of a load of 1 as large as the mean weight of a body.
@@ -258,7 +258,7 @@ impl Structure {
             [face.slope, face.width, face.growth] = match forces.map(|forces| forces[number]) {
                 None => [joint.friction, 0.0, 0.0],
                 Some(NormalForce { initial, gain }) => [
-                    joint.friction * SLOPE,
+                    joint.friction * SLOPE_SHARE,
                     width(initial),
                     width(gain * load_unit),
                 ],
@@ -287,7 +287,7 @@ impl Structure {
             Outcome::Falls => return Err(StabilityError::Falls),
             Outcome::Unsolved => return Err(StabilityError::Unsolved),
         };
-        if solution.load > ENDLESS * self.members.len() as f64 {
+        if solution.load > INFINITE_LOAD * self.members.len() as f64 {
             return Ok(endless);
         }
         let load = solution.load * load_unit;
@@ -343,7 +343,7 @@ impl Structure {
             |[linear, angular]: &[DVec3; 2]| linear.length() + angular.length() * self.units[1];
         let fastest = velocities.iter().map(fast).fold(1e-300, f64::max);
         let moving = self.members.iter().zip(velocities);
-        let moving = moving.filter(|(_, velocity)| fast(velocity) > MOVES * fastest);
+        let moving = moving.filter(|(_, velocity)| fast(velocity) > MOVING_SHARE * fastest);
         let moving = moving.map(|(member, velocity)| {
             let [linear, angular] = velocity.map(|v| (v / fastest).as_vec3());
             MovingBody {
@@ -367,7 +367,7 @@ impl Structure {
                 slides += (apart - open * joint.frame[0]).length();
             }
             let share = 1.0 / joint.points.len() as f64;
-            ((opens + slides) * share > MOVES * fastest).then_some(FailingJoint {
+            ((opens + slides) * share > MOVING_SHARE * fastest).then_some(FailingJoint {
                 between: joint.between,
                 how: match slides > opens {
                     true => JointFailure::Slides,

@@ -9,16 +9,16 @@ use super::cone_program::{Face, Motion, Program, Six};
 use super::order::{Plan, Spot};
 
 /// Regularization: a number added to the diagonal, so that bodies that nothing holds can be eliminated too. Refinement corrects its effect.
-const SHIFT: f64 = 1e-9;
+const REGULARIZATION: f64 = 1e-9;
 
 /// A solution is refined until the residual is below this share of the right-hand side.
-const LEFT: f64 = 1e-8;
+const MAX_RESIDUAL: f64 = 1e-8;
 
 /// Maximum number of refinements of a solution.
-const REFINEMENTS: usize = 2;
+const MAX_REFINEMENTS: usize = 2;
 
 /// Least-squares forces balance a load if the residual is at most this share of it.
-const BALANCED: f64 = 1e-6;
+const BALANCED_RESIDUAL: f64 = 1e-6;
 
 /// Maximum number of refinements of least-squares forces.
 const LEAST_SQUARES_REFINEMENTS: usize = 6;
@@ -83,7 +83,7 @@ impl Scaled {
 
     /// Computes the scaling of points s and z inside the cones, and the factor of H.
     pub fn scale(&mut self, program: &Program, s: &[f64], z: &[f64]) {
-        self.factor.reset(&self.plan, SHIFT);
+        self.factor.reset(&self.plan, REGULARIZATION);
         let faces = program.starts().zip(&mut self.faces).zip(&self.spots);
         for (((face, start), scaled), spots) in faces {
             let rows = start..start + face.count();
@@ -109,9 +109,9 @@ impl Scaled {
 
     /// Returns H⁻¹ a.
     pub fn solve(&mut self, program: &Program, wanted: &Motion) -> Motion {
-        let enough = LEFT * wanted.largest();
+        let enough = MAX_RESIDUAL * wanted.largest();
         let mut found = self.solve_once(program, wanted);
-        for _ in 0..REFINEMENTS {
+        for _ in 0..MAX_REFINEMENTS {
             let mut forces = program.speeds(&found);
             self.inverse_square(program, &mut forces);
             let mut residual = wanted.clone();
@@ -144,7 +144,7 @@ impl Scaled {
 
     /// Returns the least-squares forces, by rows of Gᵀ, that have the wanted resultant on each body, or `None` if no forces have it.
     pub fn least_squares(&mut self, program: &Program, wanted: &[Six]) -> Option<Vec<f64>> {
-        self.factor.reset(&self.plan, SHIFT);
+        self.factor.reset(&self.plan, REGULARIZATION);
         for (face, spots) in program.faces.iter().zip(&self.spots) {
             let count = face.rows.len();
             let one = |at: usize| at.is_multiple_of(count + 1) as u8 as f64;
@@ -161,7 +161,7 @@ impl Scaled {
         let count = program.faces.iter().map(|face| face.rows.len()).sum();
         let mut forces = vec![0.0; count];
         for _ in 0..LEAST_SQUARES_REFINEMENTS {
-            if largest(&residual) <= BALANCED * largest(wanted) {
+            if largest(&residual) <= BALANCED_RESIDUAL * largest(wanted) {
                 return Some(forces);
             }
             let mut motion = residual.clone();

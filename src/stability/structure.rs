@@ -9,7 +9,7 @@ use bevy_platform::collections::HashMap;
 use glam::DVec3;
 
 /// Points touch if their distance is less than this share of the smaller body's size.
-const TOUCHES: f32 = 2e-3;
+const TOUCHING_DISTANCE: f32 = 2e-3;
 
 /// The bodies and joints of a structure.
 pub(super) struct Structure {
@@ -123,7 +123,7 @@ fn faces(
     ends: [Option<usize>; 2],
     [a, b]: [&BodyState; 2],
 ) -> impl Iterator<Item = Joint> {
-    let far = TOUCHES * a.size.min(b.size);
+    let far = TOUCHING_DISTANCE * a.size.min(b.size);
     manifold.patches.iter().filter_map(move |patch| {
         let range = manifold.range(patch);
         let touching = range.clone();

@@ -21,7 +21,7 @@ use std::ops::Range;
 
 /// Share of its load at rest by which the normal force of a patch may differ if it is loaded steadily. At 0.2 and more, bricks that a blow
 /// has loosened stick more often at 60 Hz than with shorter steps.
-const STEADY: f32 = 0.04;
+const STEADY_LOAD_SHARE: f32 = 0.04;
 
 /// Writes the anchor of a sticking point, equation (11): the contact point in the frames of both bodies, and the data that tell later
 /// whether it still holds.
@@ -223,7 +223,7 @@ fn creeps(
     };
     !patch.curved
         && at_rest > 0.0
-        && (force - at_rest).abs() * share < STEADY * at_rest
+        && (force - at_rest).abs() * share < STEADY_LOAD_SHARE * at_rest
         && manifold.points[range].iter().all(slow)
 }
 

@@ -20,7 +20,7 @@ pub struct ContactImpulse {
 const AT_THE_CONE: f32 = 0.999;
 
 /// Share of the cone below which sticking begins with hysteresis.
-const ENTER: f32 = 0.6;
+const STICKING_CONE_SHARE: f32 = 0.6;
 
 /// Sets `sticking` of every anchor of a manifold from the impulses of the last solve.
 pub fn classify(rule: Classifier, friction: f32, given: &[ContactImpulse], anchors: &mut [Anchor]) {
@@ -60,7 +60,15 @@ pub fn sticks(
             sum.normal > 0.0 && loaded.all(|point| holds(friction, &point, AT_THE_CONE))
         }
         Classifier::Sum => holds(friction, sum, AT_THE_CONE),
-        Classifier::Hysteresis => holds(friction, sum, if was { AT_THE_CONE } else { ENTER }),
+        Classifier::Hysteresis => holds(
+            friction,
+            sum,
+            if was {
+                AT_THE_CONE
+            } else {
+                STICKING_CONE_SHARE
+            },
+        ),
     }
 }
 

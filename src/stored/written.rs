@@ -113,10 +113,10 @@ pub(crate) mod tree {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Bvh, D::Error> {
         /// With fewer leaves, `Bvh::from_iter` takes their places for their numbers.
-        const FEW: usize = 3;
+        const MIN_LEAVES: usize = 3;
         let leaves = Vec::<(u32, Vec3, Vec3)>::deserialize(from)?;
         super::check_slots(leaves.iter().map(|leaf| leaf.0))?;
-        if leaves.len() < FEW {
+        if leaves.len() < MIN_LEAVES {
             let mut tree = Bvh::new();
             for (leaf, mins, maxs) in leaves {
                 tree.insert(Aabb::new(mins, maxs), leaf);

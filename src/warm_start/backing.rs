@@ -5,7 +5,7 @@
 //! - A push on a static or kinematic body is backed, and so is one on a sleeping body, which is solved as a static one.
 //! - A push on another body is backed if the normals of contacts, through which pushes are backed in turn, add up to one against it.
 //!
-//! Coefficients of friction do not matter: a push counts as backed up to an angle of [45°](PAST) with the normals, where half of it is
+//! Coefficients of friction do not matter: a push counts as backed up to an angle of [45°](MAX_REMAINING_SQUARE) with the normals, where half of it is
 //! against the contacts and half past them. So the floor backs a push from above, but not one along the floor.
 //!
 //! The search starts at contacts with static bodies and goes from body to body, so it passes each contact once in each direction.
@@ -16,14 +16,14 @@ use glam::Vec3;
 use std::collections::VecDeque;
 
 /// The square of the part of a push that may be left when contacts have borne what they can: half, at 45°.
-const PAST: f32 = 0.5;
+const MAX_REMAINING_SQUARE: f32 = 0.5;
 
 /// Number of times that the contacts of a body take their parts of a push. The walls of a wedge, which is backed by both, take it up
 /// slowly: a taper of 6° takes 30 rounds.
-const ROUNDS: usize = 32;
+const MAX_ROUNDS: usize = 32;
 
 /// The gap of a contact that counts as closed at rest, m.
-const CLOSED: f32 = 1e-3;
+const CLOSED_GAP: f32 = 1e-3;
 
 /// No side.
 const NONE: u32 = u32::MAX;
@@ -115,7 +115,7 @@ impl Sides {
                 let pressed = contact.impulses.points.get(i);
                 let speed = approach_at(contact, i, patch.normal, from) + reach;
                 pressed.is_some_and(|of| of.normal_force > 0.0)
-                    || contact.manifold.points[i].distance < CLOSED + speed.max(0.0) * dt
+                    || contact.manifold.points[i].distance < CLOSED_GAP + speed.max(0.0) * dt
             });
             for (slot, normal) in contact
                 .pair
@@ -206,14 +206,14 @@ impl Sides {
 fn is_borne(push: Vec3, supports: &mut [(Vec3, f32)]) -> bool {
     let mut left = push;
     supports.iter_mut().for_each(|(_, force)| *force = 0.0);
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let before = left;
         for (normal, force) in supports.iter_mut() {
             let borne = (*force - left.dot(*normal)).max(0.0);
             left += (borne - *force) * *normal;
             *force = borne;
         }
-        if left.length_squared() <= PAST {
+        if left.length_squared() <= MAX_REMAINING_SQUARE {
             return true;
         }
         if left == before {

@@ -84,13 +84,13 @@ impl SolveContext<'_> {
 
 /// An island is divided among threads if it has this many times as many points as other items need. A wall of 1 000 bricks (12 000 points)
 /// took a twentieth longer on two threads, because its contacts are in the cache of the core that detected them.
-pub(crate) const LARGE: usize = 8;
+pub(crate) const LARGE_ISLAND_FACTOR: usize = 8;
 
 /// Number of islands whose bodies one thread gathers at a time, at least.
-const SHARE: usize = 8;
+const ISLANDS_PER_TASK: usize = 8;
 
 /// Number of parts into which islands are divided when several threads gather their contacts.
-const SHARES: usize = 64;
+const GATHERING_PARTS: usize = 64;
 
 /// The columns of pairs that are gathered and stored.
 #[derive(SystemParam, Debug)]
@@ -199,7 +199,7 @@ impl WarmStart<'_> {
         let bodies = order.bodies();
         match islands.len() > 1 && threads.runs_in_parallel(bodies) {
             true => threads.run(bodies, || {
-                (0..islands.len(), &mut **islands).share(SHARE, &gather);
+                (0..islands.len(), &mut **islands).share(ISLANDS_PER_TASK, &gather);
             }),
             false => islands.iter_mut().enumerate().for_each(gather),
         }
@@ -257,7 +257,7 @@ impl WarmStart<'_> {
         let threads = &self.context.threads;
         if many && threads.runs_in_parallel(points) {
             let mut parts: Vec<_> = parts.collect();
-            let share = parts.len() / SHARES;
+            let share = parts.len() / GATHERING_PARTS;
             threads.run(points, || {
                 (&mut *parts,).share(share.max(1), &|((island, contacts),)| {
                     work(island, contacts)

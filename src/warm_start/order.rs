@@ -73,7 +73,7 @@ pub(super) struct Place {
 }
 
 /// Lists whose memory is kept from step to step are shortened when they need less than this share of it.
-const KEPT: usize = 8;
+const MAX_UNUSED_FACTOR: usize = 8;
 
 /// The edge is not solved.
 pub(super) const NOWHERE: Place = Place {
@@ -407,7 +407,7 @@ impl Order {
         let count = contacts.len();
         self.spare = reuse(contacts);
         // What a large structure needed is given back after it has fallen asleep.
-        if count < self.spare.capacity() / KEPT {
+        if count < self.spare.capacity() / MAX_UNUSED_FACTOR {
             self.spare.shrink_to(count);
             self.rows.shrink_to(count);
             self.ranked = Vec::new();
@@ -507,7 +507,7 @@ struct Columns<'a> {
 }
 
 /// Number of pairs that one thread stores at a time.
-const SHARE: usize = 512;
+const PAIRS_PER_TASK: usize = 512;
 
 impl Columns<'_> {
     /// Stores the pairs that were gathered, and counts them.
@@ -540,7 +540,7 @@ impl Columns<'_> {
 
     /// As [`Self::each`], on several threads, by dividing the rows in halves.
     fn share(self, store: &(impl Fn(Stored) + Sync)) -> usize {
-        if self.pairs.len() <= SHARE {
+        if self.pairs.len() <= PAIRS_PER_TASK {
             return self.each(store);
         }
         let middle = self.pairs.len() / 2;

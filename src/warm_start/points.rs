@@ -7,7 +7,7 @@ use glam::Vec3;
 use std::ops::Range;
 
 /// Number of contacts that one thread gathers at a time.
-const SHARE: usize = 64;
+const CONTACTS_PER_TASK: usize = 64;
 
 #[derive(Default)]
 pub(crate) struct PointRows {
@@ -45,7 +45,9 @@ impl PointRows {
             };
         let threads = &*context.threads;
         if threads.runs_in_parallel(contacts.len()) {
-            let shares = contacts.chunks(SHARE).zip(ends.chunks(SHARE));
+            let shares = contacts
+                .chunks(CONTACTS_PER_TASK)
+                .zip(ends.chunks(CONTACTS_PER_TASK));
             let mut shares: Vec<_> = shares.map(|share| (share, Vec::new())).collect();
             threads.run(ends.len(), || {
                 (&mut *shares,).share(1, &|(((contacts, ends), to),)| gather(contacts, ends, to));

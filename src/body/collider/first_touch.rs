@@ -19,7 +19,7 @@ pub(crate) enum Approach {
 }
 
 /// Shapes that are no farther apart touch, m.
-pub(crate) const TOUCH: f32 = 1e-5;
+pub(crate) const TOUCHING_DISTANCE: f32 = 1e-5;
 
 /// Finds the first place on a way where a convex shape touches another one, if it does within `longest`, m. `at` returns the closest points
 /// of the two after some way (m) along the unit vector `direction`, with normals out of the other one.
@@ -36,26 +36,26 @@ pub(crate) fn first_touch(
     at: impl Fn(f32) -> Result<Option<Contact>, Unsupported>,
 ) -> Result<Approach, Unsupported> {
     /// By how much the cosine of a normal may be wrong: parry stops when it knows the distance to a thousandth.
-    const DOUBT: f32 = 0.05;
+    const COSINE_ERROR: f32 = 0.05;
     /// Below this distance the doubt is not worth further steps, m.
-    const NEAR: f32 = 2e-3;
+    const NEAR_DISTANCE: f32 = 2e-3;
     /// Most hits need five steps. Past a surface at a tenth of a millimetre there would be very many.
-    const STEPS: u32 = 60;
+    const MAX_STEPS: u32 = 60;
     /// Parry fails for some shapes that nearly touch, or finds them deeper than they can be. Then shorter steps are taken, down to this
     /// share.
-    const SHORTEST: f32 = 1e-3;
+    const MIN_STEP_SHARE: f32 = 1e-3;
     let Some(mut touch) = at(0.0)? else {
         return Ok(Approach::Lost);
     };
     let (mut way, mut closing) = (0.0, 1.0);
     let mut shorter = 1.0;
-    for step in 0..STEPS {
-        if touch.dist <= TOUCH {
+    for step in 0..MAX_STEPS {
+        if touch.dist <= TOUCHING_DISTANCE {
             break;
         }
-        let doubt = match touch.dist < NEAR || step > STEPS / 2 {
+        let doubt = match touch.dist < NEAR_DISTANCE || step > MAX_STEPS / 2 {
             true => 0.0,
-            false => DOUBT,
+            false => COSINE_ERROR,
         };
         closing = doubt - direction.dot(touch.normal1);
         if closing <= 0.0 || closing * (longest - way) < touch.dist {
@@ -63,11 +63,13 @@ pub(crate) fn first_touch(
         }
         let on = shorter * touch.dist / closing;
         match at(way + on)? {
-            Some(next) if next.dist > touch.dist - on - NEAR => {
+            Some(next) if next.dist > touch.dist - on - NEAR_DISTANCE => {
                 (touch, way, shorter) = (next, way + on, 1.0);
             }
-            _ if on < TOUCH => break,
-            _ if shorter < SHORTEST && touch.dist > NEAR => return Ok(Approach::Lost),
+            _ if on < TOUCHING_DISTANCE => break,
+            _ if shorter < MIN_STEP_SHARE && touch.dist > NEAR_DISTANCE => {
+                return Ok(Approach::Lost);
+            }
             _ => shorter *= 0.5,
         }
     }

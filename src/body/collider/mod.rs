@@ -24,7 +24,7 @@ mod surface_velocity;
 pub use decompose::DecompositionSettings;
 pub use description::{ColliderShape, CompoundPart};
 pub use exceptions::CollisionExceptions;
-pub(crate) use first_touch::{Approach, TOUCH, first_touch};
+pub(crate) use first_touch::{Approach, TOUCHING_DISTANCE, first_touch};
 pub use layer_mask::{CollisionLayer, LayerMask};
 pub use layers::CollisionLayers;
 pub use material::{CombineRule, Friction, Restitution, RollingFriction};

@@ -11,7 +11,7 @@ use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
 
 /// Number of corners of a circle that becomes part of a convex hull.
-const CORNERS: usize = 32;
+const CIRCLE_CORNERS: usize = 32;
 
 /// Number of convex parts of a ring, and of corners of its tube.
 const RING_PARTS: usize = 24;
@@ -97,12 +97,13 @@ impl TryFrom<ConicalFrustum> for Collider {
         if top == 0.0 {
             return Ok(Self::cone(bottom, height));
         }
-        let mut points = Vec::with_capacity(2 * CORNERS);
+        let mut points = Vec::with_capacity(2 * CIRCLE_CORNERS);
         for (radius, y) in [(bottom, -0.5 * height), (top, 0.5 * height)] {
             match radius == 0.0 {
                 true => points.push(Vec3::Y * y),
-                false => points
-                    .extend(circle(CORNERS).map(|(x, z)| Vec3::new(radius * x, y, radius * z))),
+                false => points.extend(
+                    circle(CIRCLE_CORNERS).map(|(x, z)| Vec3::new(radius * x, y, radius * z)),
+                ),
             }
         }
         Self::convex_hull(&points)

@@ -11,11 +11,11 @@ use parry3d::shape::{Cone, Cylinder, Shape, SharedShape, TriMesh, TypedShape};
 use std::f32::consts::TAU;
 
 /// Numbers of directions in which the surface of a round shape is sampled: around the y axis, and from pole to pole.
-const AROUND: usize = 24;
-const ACROSS: usize = 9;
+const DIRECTIONS_AROUND: usize = 24;
+const DIRECTIONS_ACROSS: usize = 9;
 
 /// Cosines and lengths that differ by less than this count as equal.
-const EVEN: f32 = 1e-5;
+const EQUAL_DIFFERENCE: f32 = 1e-5;
 
 impl Collider {
     /// The shape scaled along the axes of its frame; negative factors mirror it.
@@ -118,7 +118,7 @@ impl Collider {
             axes.y_axis.dot(axes.z_axis),
             axes.z_axis.dot(axes.x_axis),
         ];
-        if skew.iter().any(|cosine| cosine.abs() > EVEN) {
+        if skew.iter().any(|cosine| cosine.abs() > EQUAL_DIFFERENCE) {
             return Ok((Quat::IDENTITY, self.hull_of_mapped(map)?));
         }
         let diagonal = Vec3::new(map.x_axis.x, map.y_axis.y, map.z_axis.z);
@@ -135,7 +135,7 @@ impl Collider {
                 Quat::from_mat3(&axes).normalize()
             }
         };
-        let even = |a: f32, b: f32| (a.abs() - b.abs()).abs() <= EVEN * a.abs();
+        let even = |a: f32, b: f32| (a.abs() - b.abs()).abs() <= EQUAL_DIFFERENCE * a.abs();
         if scale
             .to_array()
             .iter()
@@ -237,10 +237,10 @@ fn surface_points(shape: &dyn Shape) -> Vec<Vec3> {
     };
     let turn = |share: f32| (bevy_math::ops::sin(share), bevy_math::ops::cos(share));
     let mut directions = vec![Vec3::Y, Vec3::NEG_Y];
-    for ring in 1..ACROSS {
-        let (across, up) = turn(0.5 * TAU * ring as f32 / ACROSS as f32);
-        for i in 0..AROUND {
-            let (z, x) = turn(TAU * i as f32 / AROUND as f32);
+    for ring in 1..DIRECTIONS_ACROSS {
+        let (across, up) = turn(0.5 * TAU * ring as f32 / DIRECTIONS_ACROSS as f32);
+        for i in 0..DIRECTIONS_AROUND {
+            let (z, x) = turn(TAU * i as f32 / DIRECTIONS_AROUND as f32);
             directions.push(Vec3::new(across * x, up, across * z));
         }
     }

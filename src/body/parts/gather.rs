@@ -166,7 +166,7 @@ fn gather_below(world: &World, root: EntityRef, map: Affine3A, parts: &mut Vec<P
 }
 
 /// A body with so many entities below it is weighed only in a step.
-const MANY: usize = 32;
+const MAX_WEIGHED_AT_ONCE: usize = 32;
 
 /// Returns true if there are not many entities below a body, whose parts can be weighed at once.
 pub(crate) fn has_few(world: &World, body: Entity) -> bool {
@@ -175,7 +175,7 @@ pub(crate) fn has_few(world: &World, body: Entity) -> bool {
     while let Some(at) = stack.pop() {
         if let Some(children) = world.get::<Children>(at) {
             count += children.len();
-            if count > MANY {
+            if count > MAX_WEIGHED_AT_ONCE {
                 return false;
             }
             stack.extend(children.iter());

@@ -236,7 +236,7 @@ fn moved_to(
 /// Returns true if a transform lies between the last two poses of a body. Interpolation writes such transforms; they do not move the body.
 fn is_between(drawn: &Pose, before: &Pose, now: &Pose) -> bool {
     /// Relative rounding error of distances and coordinates.
-    const ROUNDING: f32 = 1e-6;
+    const DISTANCE_ROUNDING: f32 = 1e-6;
     let detour = |way: f32, there: f32, on: f32, rounding: f32| there + on <= way + rounding;
     let position = |a: &Pose, b: &Pose| a.position.distance(b.position);
     let angle = |a: &Pose, b: &Pose| {
@@ -248,11 +248,11 @@ fn is_between(drawn: &Pose, before: &Pose, now: &Pose) -> bool {
         position(before, now),
         position(before, drawn),
         position(drawn, now),
-        ROUNDING * far,
+        DISTANCE_ROUNDING * far,
     ) && detour(
         angle(before, now),
         angle(before, drawn),
         angle(drawn, now),
-        1e3 * ROUNDING,
+        1e3 * DISTANCE_ROUNDING,
     )
 }

@@ -80,7 +80,7 @@ impl<F: Fn(Tick) -> bool + Copy> Iterator for NewRows<'_, F> {
     type Item = usize;
 
     fn next(&mut self) -> Option<usize> {
-        const CHUNK: usize = 64;
+        const ROWS_PER_CHUNK: usize = 64;
         loop {
             while self.row < self.end {
                 let row = self.row;
@@ -91,7 +91,7 @@ impl<F: Fn(Tick) -> bool + Copy> Iterator for NewRows<'_, F> {
             }
             // Ticks are compared in chunks without a branch, so that the compiler vectorizes the common case in which nothing was written.
             let rest = &self.ticks[self.row..];
-            let chunk = &rest[..rest.len().min(CHUNK)];
+            let chunk = &rest[..rest.len().min(ROWS_PER_CHUNK)];
             if chunk.is_empty() {
                 return None;
             }

@@ -115,12 +115,12 @@ pub(crate) fn with_table<T>(
 }
 
 /// A quarter of the largest error of a rounded coordinate, as a share of it.
-const ROUNDING: f32 = 1.0 / (1 << 26) as f32;
+const COORDINATE_ROUNDING: f32 = 1.0 / (1 << 26) as f32;
 
 /// A coordinate counts as at most this many times as large as the body. Without this limit a brick at 1 km would count as still up to 1
 /// mm/s. With it, a body is still up to 10⁻⁶ of its size in a step; at that speed walls, arches and houses of cards drift no more than with
 /// all sweeps, and cubes under a hundred times their mass that were placed with noise by 14 µm in a minute.
-const FAR: f32 = 64.0;
+const MAX_COORDINATE_IN_SIZES: f32 = 64.0;
 
 /// What pushes and brakes a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -244,8 +244,11 @@ impl BodyState {
     #[inline]
     pub(crate) fn still_below(&self, dt: f32) -> [f32; 2] {
         let coordinate = self.pose.position.abs().max_element();
-        let sizes = (coordinate / self.radius).clamp(1.0, FAR);
-        [ROUNDING * sizes * self.radius / dt, ROUNDING * sizes / dt]
+        let sizes = (coordinate / self.radius).clamp(1.0, MAX_COORDINATE_IN_SIZES);
+        [
+            COORDINATE_ROUNDING * sizes * self.radius / dt,
+            COORDINATE_ROUNDING * sizes / dt,
+        ]
     }
 
     fn pushes(&self) -> Pushes {
@@ -304,7 +307,7 @@ impl BodyState {
         let is_surface = !self.is_dynamic() && collider.is_some_and(Collider::is_surface);
         self.size = match is_surface {
             true => radius,
-            false => radius.min(THICKNESS * self.half.min_element()),
+            false => radius.min(THIN_RATIO * self.half.min_element()),
         };
     }
 
@@ -315,7 +318,7 @@ impl BodyState {
         let towards = (self.pose.rotation.inverse() * direction).abs();
         let mut half = self.half;
         half[towards.max_position()] = f32::INFINITY;
-        self.radius.min(THICKNESS * half.min_element())
+        self.radius.min(THIN_RATIO * half.min_element())
     }
 
     /// Radius with which a curved body rolls, m: for a shape that is not a ball, its radius when it lies on its side. Infinite for bodies
@@ -332,7 +335,7 @@ impl BodyState {
     pub(crate) fn is_slender(&self) -> bool {
         let (longest, shortest) = (self.half.max_element(), self.half.min_element());
         let other = self.half.element_sum() - longest - shortest;
-        longest > SLENDER * other
+        longest > SLENDER_RATIO * other
     }
 
     /// Returns true if the bounding spheres of two bodies are farther apart than `reach`, m. That of a half-space is infinite, so it never
@@ -389,10 +392,10 @@ impl BodyState {
 }
 
 /// A body is thin if this times half its smallest extent is less than its bounding radius. A brick of 1 × 0.5 × 0.5 m is just not thin.
-const THICKNESS: f32 = 2.5;
+const THIN_RATIO: f32 = 2.5;
 
 /// A body is slender if its length exceeds this times its second largest extent. A plank of 0.75 × 0.15 × 0.245 m is not slender.
-const SLENDER: f32 = 6.0;
+const SLENDER_RATIO: f32 = 6.0;
 
 /// All live bodies by slot: a dense copy of the data that the stages read at random, and of the state of each body in the last step.
 #[derive(Resource, Debug, Default)]

@@ -1,14 +1,14 @@
 //! Lists that get as much room as they need and a little more, such as those that are indexed by slot or by the number of an edge.
 
 /// A full list gets room for all entries and for one sixteenth of their number more.
-const SHARE: usize = 16;
+const SPARE_SHARE: usize = 16;
 
 /// Makes room in a list for so many entries, and for some more if it is full. Otherwise the next body would double the list, which copies
 /// it: in a large world that takes longer than the rest of the step, and half of the room stays empty. This is called when many bodies
 /// arrive, in a step that takes long anyway.
 pub(crate) fn make_room<T>(list: &mut Vec<T>, entries: usize) {
     if list.capacity() < entries {
-        list.reserve_exact(entries + entries / SHARE - list.len());
+        list.reserve_exact(entries + entries / SPARE_SHARE - list.len());
     }
 }
 

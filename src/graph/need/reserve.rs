@@ -21,22 +21,22 @@ use glam::Vec3;
 use smallvec::SmallVec;
 
 /// Share of what presses on a body that a joint holds below which a change does not count.
-const NOTHING: f32 = 1e-4;
+const JOINED_CHANGE_SHARE: f32 = 1e-4;
 
 /// The same for a body that an awake one touches.
-const TOUCHED: f32 = 5e-4;
+const TOUCHED_CHANGE_SHARE: f32 = 5e-4;
 
 /// The same for other bodies: further down more presses on each body, and more bodies share the change.
-const PASSED: f32 = 1e-2;
+const PASSED_CHANGE_SHARE: f32 = 1e-2;
 
 /// Share of a reserve that may be taken.
-const TAKEN: f32 = 0.5;
+const TAKEN_SHARE: f32 = 0.5;
 
 /// A reserve below this share of what presses on a body may be used up: others remain.
-const LITTLE: f32 = 2e-3;
+const LITTLE_RESERVE: f32 = 2e-3;
 
 /// A change is followed over at most this many bodies down. Bodies that it has not left by then wake.
-const DEPTH: usize = 256;
+const MAX_DEPTH: usize = 256;
 
 /// A force or moment that can balance a change: a unit of it on the body, with the reserve, N.
 struct Row {
@@ -131,9 +131,9 @@ impl Need<'_, '_, '_> {
                         rest: if at_boundary { own } else { Change::default() },
                         pressure: self.pressure(body, &now),
                         least: match (self.is_jointed(slot), at_boundary) {
-                            (true, _) => NOTHING,
-                            (false, true) => TOUCHED,
-                            (false, false) => PASSED,
+                            (true, _) => JOINED_CHANGE_SHARE,
+                            (false, true) => TOUCHED_CHANGE_SHARE,
+                            (false, false) => PASSED_CHANGE_SHARE,
                         },
                     }
                 });
@@ -146,7 +146,7 @@ impl Need<'_, '_, '_> {
                 let parts = [&of.total, &last];
                 if self.stands_on_awake(slot, up) {
                     rising.add(self.table, slot);
-                } else if depth == DEPTH
+                } else if depth == MAX_DEPTH
                     || !self.pass_on((slot, body), of.pressure, up, parts, &mut below)
                 {
                     rising.add(self.table, slot);
@@ -194,7 +194,7 @@ impl Need<'_, '_, '_> {
         }
         let balance = |change: &Change| {
             let of = [change.force, change.moment / body.radius].map(|part| -part);
-            solve(&rows, NOTHING * pressure, of)
+            solve(&rows, JOINED_CHANGE_SHARE * pressure, of)
         };
         let [force, moment] = balance(total);
         if force.length_squared() + moment.length_squared() > 1.0 {
@@ -202,8 +202,8 @@ impl Need<'_, '_, '_> {
         }
         let is_taken = |row: &Row| {
             let share = row.force.dot(force) + row.moment.dot(moment);
-            let is_taken = share < -TAKEN || !row.is_normal && share > TAKEN;
-            is_taken && row.reserve > LITTLE * pressure
+            let is_taken = share < -TAKEN_SHARE || !row.is_normal && share > TAKEN_SHARE;
+            is_taken && row.reserve > LITTLE_RESERVE * pressure
         };
         if rows.iter().any(is_taken) {
             return false;

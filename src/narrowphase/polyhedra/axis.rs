@@ -22,27 +22,27 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 /// Margin by which faces are preferred to edges, as a share of the smaller solid's radius.
-const MARGIN: f64 = 5e-6;
+const FACE_MARGIN: f64 = 5e-6;
 
 /// The direction of two edges is similar to a face's normal if the cosine between them is above this (5°). Then …
-const ALIKE: f64 = 0.996;
+const SIMILAR_COSINE: f64 = 0.996;
 
 /// … this is the margin by which the face is preferred, as a share of the smaller solid's radius.
-const MORE: f64 = 2e-3;
+const SIMILAR_FACE_MARGIN: f64 = 2e-3;
 
 /// The axis of the last step is kept unless another is better by this share of the smaller solid's radius. Without it, a body that rocks on
 /// an edge alternates between the adjacent face and the edge, and never comes to rest: of six piles of 300 splinters only two fell asleep.
-const STEADY: f64 = 0.005;
+const LAST_AXIS_MARGIN: f64 = 0.005;
 
 /// Two edges are parallel if the sine of the angle between them is below this. Their cross product gives no more than the adjacent faces
 /// do.
-const PARALLEL: f64 = 1e-7;
+const PARALLEL_SINE: f64 = 1e-7;
 
 /// The rounding error of a hull's normals in single precision, as the square of the sine of an angle.
-const ROUNDING: f64 = 4e-14;
+const NORMAL_ROUNDING: f64 = 4e-14;
 
 /// Tolerance for other corners that are farther along the normal than the edges, as a share of the smaller solid's radius.
-const BEHIND: f64 = 1e-7;
+const CORNER_TOLERANCE: f64 = 1e-7;
 
 /// A direction, and the distance of two solids along it.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +87,7 @@ pub fn separate<A: Solid, B: Solid>(
         return last.into();
     }
     let size = a.outer().min(b.outer());
-    let face = best_face(a, b, place, &back, reach, last, MARGIN * size);
+    let face = best_face(a, b, place, &back, reach, last, FACE_MARGIN * size);
     if face.distance > reach {
         return face.into();
     }
@@ -99,10 +99,14 @@ pub fn separate<A: Solid, B: Solid>(
     if best.distance > reach {
         return best.into();
     }
-    let alike = face.normal.dot(best.normal) > ALIKE;
-    let more = if alike { MORE } else { MARGIN };
+    let alike = face.normal.dot(best.normal) > SIMILAR_COSINE;
+    let more = if alike {
+        SIMILAR_FACE_MARGIN
+    } else {
+        FACE_MARGIN
+    };
     let preferred = match last {
-        Some(last) if last.distance + STEADY * size >= best.distance => last,
+        Some(last) if last.distance + LAST_AXIS_MARGIN * size >= best.distance => last,
         _ if face.distance + more * size >= best.distance => face,
         _ => best,
     };
@@ -321,16 +325,16 @@ impl Arc {
         // Two arcs cross if the ends of each are on different sides of the other's great circle, and both arcs are on the same half of the
         // sphere. An end on the circle, up to rounding, counts as on either side.
         let [c_side, d_side] = [c, d].both(|normal| normal.dot(self.along));
-        if c_side * d_side >= ROUNDING * self.along.length_squared() {
+        if c_side * d_side >= NORMAL_ROUNDING * self.along.length_squared() {
             return None;
         }
         let [a_side, b_side] = [a, b].both(|normal| normal.dot(other.along));
-        if a_side * b_side >= ROUNDING * other.along.length_squared() {
+        if a_side * b_side >= NORMAL_ROUNDING * other.along.length_squared() {
             return None;
         }
         let across = self.along.cross(other.along);
         let length = across.length();
-        if length <= PARALLEL * self.along.length() * other.along.length() {
+        if length <= PARALLEL_SINE * self.along.length() * other.along.length() {
             return None;
         }
         let normal = across * ((a + b).dot(across).signum() / length);
@@ -348,7 +352,7 @@ fn best_edges<A: Solid, B: Solid>(
     place: &Placement,
     mut floor: f64,
 ) -> Option<Separation> {
-    let behind = BEHIND * a.outer().min(b.outer());
+    let behind = CORNER_TOLERANCE * a.outer().min(b.outer());
     let (center_a, center_b) = (
         place.back(a.center() - place.origin),
         place.point(b.center()),
@@ -415,7 +419,9 @@ fn box_edges(
             let of_b = turn[l][i].abs() * half_b[k] + turn[k][i].abs() * half_b[l];
             let apart = center.abs() - of_a - of_b;
             // This is apart / √square > floor, without a square root.
-            if apart * apart.abs() > floor * floor.abs() * square && square > PARALLEL * PARALLEL {
+            if apart * apart.abs() > floor * floor.abs() * square
+                && square > PARALLEL_SINE * PARALLEL_SINE
+            {
                 floor = apart / square.sqrt();
                 best = Some((i, j, center.signum()));
             }

@@ -102,10 +102,10 @@ pub fn outline<S: Solid>(solid: &S, face: u16) -> impl ExactSizeIterator<Item = 
 }
 
 /// A solid stands on all corners of a face if the cosine between the face's normal and the direction is above this.
-const FLAT: f64 = 0.9999;
+const WHOLE_FACE_COSINE: f64 = 0.9999;
 
 /// The cosine to a direction above which a face faces it at all.
-const FACES: f64 = 0.02;
+const FACING_COSINE: f64 = 0.02;
 
 /// Returns the longest of the faces around the farthest corner in a direction (in the solid's own frame) that face it, if there is one.
 pub fn longest_facing<S: Solid>(solid: &S, direction: DVec3) -> Option<u16> {
@@ -118,7 +118,9 @@ pub fn longest_facing<S: Solid>(solid: &S, direction: DVec3) -> Option<u16> {
         let lengths = corners.map(|at| at.distance_squared(corner));
         cosine(face) * lengths.fold(0.0, f64::max)
     };
-    let facing = solid.around(farthest).filter(|&face| cosine(face) > FACES);
+    let facing = solid
+        .around(farthest)
+        .filter(|&face| cosine(face) > FACING_COSINE);
     facing.max_by(|&a, &b| merit(a).total_cmp(&merit(b)))
 }
 
@@ -135,10 +137,10 @@ pub fn facing<S: Solid>(solid: &S, direction: DVec3) -> u16 {
             (best, most) = (face, cosine);
         }
     }
-    if most > FLAT {
+    if most > WHOLE_FACE_COSINE {
         return best;
     }
-    let slack = super::SLACK * super::across(solid);
+    let slack = super::CORNER_SLACK * super::across(solid);
     if solid.stands_on_a_corner(direction, slack) {
         return best;
     }

@@ -33,10 +33,10 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 /// Tolerance for a corner outside a face that still counts as on it, as a share of the solid's size ([`across`]).
-pub(crate) const SLACK: f64 = 1e-4;
+pub(crate) const CORNER_SLACK: f64 = 1e-4;
 
 /// The overlap along a preferred axis may be less by this share of the solid's size ([`across`]) than along the best axis.
-const LACKING: f64 = 1e-3;
+const OVERLAP_SLACK: f64 = 1e-3;
 
 /// The contact of two solids that touch or soon may, in the frame of A. It has no points if they do not touch. Functions overwrite a
 /// contact that the caller provides, which avoids copying it.
@@ -142,7 +142,7 @@ pub fn touch<A: Solid, B: Solid>(
     }
     write(best, contact);
     // Upper bound of the area of a polygon in such a narrow strip.
-    let strip = search.graze / (1.0 - seams::OWN * seams::OWN).sqrt();
+    let strip = search.graze / (1.0 - seams::OWN_FACE_COSINE * seams::OWN_FACE_COSINE).sqrt();
     let max_area = strip * 2.0 * a.outer().min(b.outer());
     if contact.twice_area() <= 2.0 * max_area
         && seams::graze(a, b, place, best.normal, search.graze)
@@ -152,7 +152,7 @@ pub fn touch<A: Solid, B: Solid>(
     }
     // The preferred face may end where the other one begins.
     if let Some(beside) = &found.beside {
-        let enough = beside.distance + LACKING * across(a).min(across(b));
+        let enough = beside.distance + OVERLAP_SLACK * across(a).min(across(b));
         if contact.points.iter().all(|point| point.distance > enough) {
             write(beside, contact);
             return beside.axis;
@@ -250,7 +250,7 @@ fn faces_along<A: Solid, B: Solid>(
 
 /// Tolerance within which a point counts as on a face or an edge, m.
 fn slack<A: Solid, B: Solid>(a: &A, b: &B) -> f64 {
-    SLACK * across(a).min(across(b))
+    CORNER_SLACK * across(a).min(across(b))
 }
 
 /// A length that is not large for any part of the solid, m.

@@ -13,25 +13,25 @@ use super::solid::Solid;
 use glam::DVec3;
 
 /// Overlap below which flush faces do not touch, as a share of the smaller solid's extent.
-const SHARE: f64 = 0.02;
+const MIN_OVERLAP: f64 = 0.02;
 
 /// The same at a ridge. It is smaller because in heaps of hulls many pairs of faces are at such small angles.
 const RIDGE_SHARE: f64 = 0.01;
 
 /// A face belongs to the contact itself if the cosine between its normal and the contact's is at least this.
-pub(crate) const OWN: f64 = 0.7;
+pub(crate) const OWN_FACE_COSINE: f64 = 0.7;
 
 /// Two faces may be flush if the cosine of the angle between them is above this (2°).
-const FLUSH: f64 = 0.9994;
+const FLUSH_COSINE: f64 = 0.9994;
 
 /// Two faces may be the sides of a ridge if the cosine of the angle between them is above this (30°, as in an arch of six voussoirs).
-const RIDGE: f64 = 0.866;
+const RIDGE_COSINE: f64 = 0.866;
 
 /// The share of the extent below which an overlap is ignored, from the cosine of the angle between two faces.
 fn share(along: f64) -> f64 {
     match along {
-        _ if along > FLUSH => SHARE,
-        _ if along > RIDGE => RIDGE_SHARE,
+        _ if along > FLUSH_COSINE => MIN_OVERLAP,
+        _ if along > RIDGE_COSINE => RIDGE_SHARE,
         _ => 0.0,
     }
 }
@@ -54,7 +54,7 @@ fn grazes<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3, mo
     (0..a.faces()).any(|face| {
         let (out, offset) = a.plane(face);
         // A quick test: the ball inside B alone overlaps too much.
-        if out.dot(normal).abs() >= OWN || offset + inner - out.dot(center) >= most {
+        if out.dot(normal).abs() >= OWN_FACE_COSINE || offset + inner - out.dot(center) >= most {
             return false;
         }
         let back = place.back(out);
@@ -65,7 +65,7 @@ fn grazes<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, normal: DVec3, mo
         }
         let extent = (offset + a.reach(-out)).min(near + b.reach(back));
         let along = || -b.plane(facing(b, -back)).0.dot(back);
-        overlap < SHARE * extent && overlap < share(along()) * extent
+        overlap < MIN_OVERLAP * extent && overlap < share(along()) * extent
     })
 }
 

@@ -14,26 +14,26 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 /// Corners that contribute less than this share of the area are removed.
-const SMALL: f64 = 0.05;
+const SMALL_AREA_SHARE: f64 = 0.05;
 
 /// A corner that is deeper than all others by this share of the polygon's width (the root of its area) stays.
-const DEEP: f64 = 0.005;
+const DEEP_CORNER_SHARE: f64 = 0.005;
 
-/// For a corner that existed in the last step, [`DEEP`] is multiplied by this. A body whose supporting point is removed would sink, rise,
+/// For a corner that existed in the last step, [`DEEP_CORNER_SHARE`] is multiplied by this. A body whose supporting point is removed would sink, rise,
 /// and rock for ever.
-const LOADED: f64 = 0.1;
+const LOADED_CORNER_FACTOR: f64 = 0.1;
 
 /// Maximum number of corners of the intersection of two quadrilaterals. Only polygons with more corners are improved after the reduction.
-const MANY: usize = 8;
+const MAX_QUADRILATERAL_CORNERS: usize = 8;
 
 /// Relative gain of area above which a corner is replaced.
-const CLEARLY: f64 = 1.05;
+const REPLACING_GAIN: f64 = 1.05;
 
 /// Maximum number of passes that replace corners.
-const ROUNDS: usize = 2;
+const MAX_PASSES: usize = 2;
 
 /// Factor for the area that a corner contributes if it existed in the last step.
-const KEPT: f64 = 2.0;
+const KEPT_CORNER_FACTOR: f64 = 2.0;
 
 impl Contact {
     /// Removes corners until at most `most` are left, and each of them contributes enough area. `known` returns whether a corner existed in
@@ -49,7 +49,7 @@ impl Contact {
         let counts = |before: &Point, point: &Point, after: &Point| {
             let area = area(before.position, point.position, after.position);
             match known(point.feature) {
-                true => KEPT * area,
+                true => KEPT_CORNER_FACTOR * area,
                 false => area,
             }
         };
@@ -59,12 +59,12 @@ impl Contact {
             let after = &points[if i + 1 < count { i + 1 } else { 0 }];
             counts(before, &points[i], after)
         };
-        let all = (points.len() > most.max(MANY)).then(|| points.to_vec());
+        let all = (points.len() > most.max(MAX_QUADRILATERAL_CORNERS)).then(|| points.to_vec());
         let mut losses = SmallVec::<[f64; 16]>::new();
         for i in 0..points.len() {
             losses.push(loss(points, i));
         }
-        let clearly = DEEP * whole.sqrt();
+        let clearly = DEEP_CORNER_SHARE * whole.sqrt();
         loop {
             if let Some(deepest) = clearly_deepest(points, clearly, &known) {
                 losses[deepest] = f64::INFINITY;
@@ -75,7 +75,9 @@ impl Contact {
                     least = i;
                 }
             }
-            if points.len() <= most && losses[least] >= SMALL * whole || points.len() == 2 {
+            if points.len() <= most && losses[least] >= SMALL_AREA_SHARE * whole
+                || points.len() == 2
+            {
                 break;
             }
             points.remove(least);
@@ -102,12 +104,12 @@ fn exchange(
     counts: impl Fn(&Point, &Point, &Point) -> f64,
 ) {
     let (count, around) = (points.len(), all.len());
-    for i in (0..ROUNDS * count).map(|i| i % count) {
+    for i in (0..MAX_PASSES * count).map(|i| i % count) {
         if Some(i) == deepest {
             continue;
         }
         let (before, after) = (points[(i + count - 1) % count], points[(i + 1) % count]);
-        let mut most = CLEARLY * counts(&before, &points[i], &after);
+        let mut most = REPLACING_GAIN * counts(&before, &points[i], &after);
         let place = |point: &Point| all.iter().position(|p| p.feature == point.feature);
         let (Some(first), Some(last)) = (place(&before), place(&after)) else {
             return;
@@ -134,7 +136,7 @@ fn clearly_deepest(points: &Points, by: f64, known: impl Fn(FeatureId) -> bool) 
         }
     }
     let by = match known(points[deepest].feature) {
-        true => LOADED * by,
+        true => LOADED_CORNER_FACTOR * by,
         false => by,
     };
     (least + by < second).then_some(deepest)

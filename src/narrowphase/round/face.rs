@@ -5,7 +5,7 @@ use crate::solver::Both;
 use glam::DVec3;
 
 /// A body lies on a face if the cosine of the angle between the face and the plane of contact is at least this (8.6°).
-pub const LEVEL: f64 = 0.988_77;
+pub const LYING_COSINE: f64 = 0.988_77;
 
 /// A face, end, line or edge on which a body lies.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ impl Face {
     pub fn of<S: Solid>(solid: &S, direction: DVec3) -> Option<Self> {
         let face = facing(solid, direction);
         let normal = solid.plane(face).0;
-        if normal.dot(direction) >= LEVEL {
+        if normal.dot(direction) >= LYING_COSINE {
             return Some(Self::new(outline(solid, face).collect(), normal));
         }
         let ends = |edge: u16| solid.edge(edge).ends.both(|i| solid.point(i));
@@ -39,7 +39,8 @@ impl Face {
         let normal = (direction - along * along.dot(direction)).normalize();
         let [i, j] = solid.edge(edge).ends;
         let line = [(from, i, edge), (to, j, edge)];
-        (normal.dot(direction) >= LEVEL).then(|| Self::new(line.into_iter().collect(), normal))
+        (normal.dot(direction) >= LYING_COSINE)
+            .then(|| Self::new(line.into_iter().collect(), normal))
     }
 
     /// Transforms the face to another frame.

@@ -5,7 +5,7 @@
 //! tilted, the lowest point of its rim is added. Without it, a body that wobbles would jolt from corner to corner. A side is the line that
 //! faces the other body.
 
-use super::face::{Face, LEVEL};
+use super::face::{Face, LYING_COSINE};
 use crate::narrowphase::polyhedra::Outline;
 use crate::solver::Both;
 use glam::DVec3;
@@ -106,13 +106,13 @@ impl Frustum {
     /// The face on which it lies in a direction: an end, or the line of its side.
     pub fn facing(&self, direction: DVec3) -> Option<Face> {
         let side = self.side(direction).unwrap_or_default();
-        if side.dot(direction) >= LEVEL {
+        if side.dot(direction) >= LYING_COSINE {
             let line = self.line(side.with_y(0.0).normalize());
             let [low, high] = line.both(|at| at + self.border * side);
             let outline = [(low, SIDE, SIDE), (high, SIDE + 1, SIDE)];
             return Some(Face::new(outline.into_iter().collect(), side));
         }
-        let end = self.ends().find(|end| end.dot(direction) >= LEVEL)?;
+        let end = self.ends().find(|end| end.dot(direction) >= LYING_COSINE)?;
         Some(Face::new(self.end(end, direction), end))
     }
 

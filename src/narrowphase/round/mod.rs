@@ -11,9 +11,9 @@ mod part;
 mod seams;
 mod simplify;
 
-use super::polyhedra::{Contact, FeatureId, Point, SLACK, Search, clip};
+use super::polyhedra::{CORNER_SLACK, Contact, FeatureId, Point, Search, clip};
 use crate::solver::Both;
-use face::{Face, LEVEL};
+use face::{Face, LYING_COSINE};
 pub use frustum::Frustum;
 use glam::DVec3;
 pub use normal::{Found, separate};
@@ -22,7 +22,7 @@ pub use simplify::simplify;
 
 /// Half the width of the line along which two round sides touch, as a share of the smaller size. If the sides cross at an angle, the points
 /// are nearer to each other, because they must be within this width.
-const LINE: f64 = 0.02;
+const LINE_HALF_WIDTH: f64 = 0.02;
 
 /// Computes the contact of two bodies in their common frame. Returns a lower bound of their distance (m) if it is greater than the reach,
 /// and −∞ otherwise.
@@ -75,15 +75,15 @@ fn intersection(
         true => (of_a, of_b, normal),
         false => (of_b, of_a, -normal),
     };
-    if reference.is_line() && reference.along().dot(incident.along()).abs() < LEVEL {
+    if reference.is_line() && reference.along().dot(incident.along()).abs() < LYING_COSINE {
         return;
     }
     let (on, out) = (reference.outline[0].0, reference.normal);
-    let reference = reference.widened(LINE * size);
+    let reference = reference.widened(LINE_HALF_WIDTH * size);
     let slant = 1.0 / out.dot(up);
     let incident = incident.outline.into_iter();
     let Contact { points, space, .. } = contact;
-    for clipped in clip(reference.outline, incident, up, SLACK * size, space) {
+    for clipped in clip(reference.outline, incident, up, CORNER_SLACK * size, space) {
         let distance = out.dot(clipped.at - on) * slant;
         let feature = clipped.origin.feature(by_a);
         points.extend(Point::above(clipped.at, up, distance, feature, reach));

@@ -5,10 +5,10 @@ use glam::DVec3;
 
 /// Relative tolerance of the squared distance. The direction then has an error of 1e-4 rad, and the next round improves it. With 1e-12 a
 /// search took twice as long, and the final normals were not better.
-const PRECISE: f64 = 1e-7;
+const TOLERANCE: f64 = 1e-7;
 
 /// Maximum number of iterations.
-const TRIES: usize = 64;
+const MAX_ITERATIONS: usize = 64;
 
 /// The squared distance of a weighted sum of corners from the origin, and the weights of the four corners.
 type Shares = (f64, [f64; 4]);
@@ -47,10 +47,10 @@ impl Simplex {
             shares = self.keep(best.1);
         }
         let mut way = self.way(&shares, off);
-        for _ in 0..TRIES {
+        for _ in 0..MAX_ITERATIONS {
             let next = farthest(way);
             let square = way.length_squared();
-            if square - way.dot(difference(next, off)) <= PRECISE * square {
+            if square - way.dot(difference(next, off)) <= TOLERANCE * square {
                 break;
             }
             self.corners[self.count] = next;

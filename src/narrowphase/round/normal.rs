@@ -11,20 +11,20 @@ use glam::DVec3;
 
 /// Distance by which B is moved away, as a share of the smaller size. It is small because a round reduces the error of the direction to
 /// about this share, for curved surfaces.
-const OFF: f64 = 0.05;
+const MOVED_AWAY: f64 = 0.05;
 
 /// Maximum number of rounds. Each leaves a twentieth of the previous error of the direction.
-const ROUNDS: usize = 8;
+const MAX_ROUNDS: usize = 8;
 
 /// Margin by which directions of flat faces are preferred, as a share of the smaller size.
-const MARGIN: f64 = 5e-6;
+const FACE_MARGIN: f64 = 5e-6;
 
 /// If the bodies lie on each other with flat faces, a direction is similar to that of the faces if the cosine between them is above this
 /// (5°). Then …
-const ALIKE: f64 = 0.996;
+const SIMILAR_COSINE: f64 = 0.996;
 
 /// … this is the margin by which the faces are preferred, as a share of the smaller size.
-const MORE: f64 = 2e-3;
+const SIMILAR_FACE_MARGIN: f64 = 2e-3;
 
 /// The direction with the greatest distance.
 #[derive(Clone, Copy, Debug)]
@@ -61,19 +61,19 @@ pub fn separate(a: &Part, b: &Part, reach: f64, last: Option<DVec3>) -> Result<F
         b.side(-between).map(|normal| -normal),
         last,
     ];
-    let mut best = (flat.0 + MARGIN * size, flat.1);
+    let mut best = (flat.0 + FACE_MARGIN * size, flat.1);
     for normal in sides.into_iter().flatten() {
         best = better(best, (apart(normal), normal));
     }
     best.0 = apart(best.1);
     let mut on = [DVec3::ZERO; 2];
     let mut simplex = Simplex::default();
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         if best.0 > reach {
             return Err(best.0);
         }
         let (distance, normal) = best;
-        let off = normal * (OFF * size - distance).max(0.0);
+        let off = normal * (MOVED_AWAY * size - distance).max(0.0);
         let farthest = |way: DVec3| [a.farthest(way), b.farthest(-way)];
         on = simplex.nearest(farthest, off, normal);
         let Some(normal) = (on[1] + off - on[0]).try_normalize() else {
@@ -83,7 +83,7 @@ pub fn separate(a: &Part, b: &Part, reach: f64, last: Option<DVec3>) -> Result<F
         let gained = distance - best.0;
         // Any gain counts: a tiny difference of the distance is a large difference of the direction.
         best = better(best, (distance, normal));
-        if gained <= 0.1 * MARGIN * size {
+        if gained <= 0.1 * FACE_MARGIN * size {
             break;
         }
     }
@@ -93,9 +93,9 @@ pub fn separate(a: &Part, b: &Part, reach: f64, last: Option<DVec3>) -> Result<F
             .iter()
             .all(|face| face.as_ref().is_some_and(|face| !face.is_line()))
     };
-    let margin = match best.1.dot(flat.1) > ALIKE && lies_on_faces() {
-        true => MORE,
-        false => MARGIN,
+    let margin = match best.1.dot(flat.1) > SIMILAR_COSINE && lies_on_faces() {
+        true => SIMILAR_FACE_MARGIN,
+        false => FACE_MARGIN,
     };
     if best.0 <= flat.0 + margin * size {
         best = flat;

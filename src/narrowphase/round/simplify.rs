@@ -4,7 +4,7 @@
 use crate::narrowphase::polyhedra::{Contact, FeatureId, Point};
 
 /// The deepest point is restored if it is deeper than all others by this share of the smaller radius.
-const DEEPER: f64 = 1e-3;
+const DEEPER_POINT_SHARE: f64 = 1e-3;
 
 /// Removes points until at most `most` are left. `radius` is that of the smaller round body, m. `known` returns whether a point existed in
 /// the last step.
@@ -23,7 +23,7 @@ pub fn simplify(
     let (Some(deepest), Some(left)) = (deepest, deepest_of(contact)) else {
         return;
     };
-    if deepest.distance < left.distance - DEEPER * radius as f64 {
+    if deepest.distance < left.distance - DEEPER_POINT_SHARE * radius as f64 {
         // It replaces the nearest point, so that the points stay in order around the polygon.
         let away = |point: &Point| point.position.distance_squared(deepest.position);
         let points = contact.points.iter_mut();

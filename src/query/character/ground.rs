@@ -81,16 +81,16 @@ impl SpatialQuery<'_, '_> {
         filter: &QueryFilter,
     ) -> Result<Option<Vec3>, QueryError> {
         /// How far behind the edge, above it and below it the face is searched, m.
-        const BEHIND: f32 = 0.01;
+        const SEARCH_DISTANCE: f32 = 0.01;
         if rules.is_walkable(hit.normal) {
             return Ok(Some(hit.normal));
         }
         let Ok(behind) = Dir3::new(-rules.level(hit.normal)) else {
             return Ok(None);
         };
-        let from = hit.point + (*behind + *rules.up) * BEHIND;
+        let from = hit.point + (*behind + *rules.up) * SEARCH_DISTANCE;
         let down = Ray3d::new(from, -rules.up);
-        let face = self.cast_ray(down, 3.0 * BEHIND, filter)?;
+        let face = self.cast_ray(down, 3.0 * SEARCH_DISTANCE, filter)?;
         let face = face.filter(|face| face.entity == hit.entity && face.distance > 0.0);
         Ok(face
             .map(|face| face.normal)

@@ -8,10 +8,10 @@ use bevy_math::Dir3;
 use glam::Vec3;
 
 /// Ways shorter than this are none, m.
-const NOTHING: f32 = 1e-5;
+const MIN_WAY: f32 = 1e-5;
 
 /// Number of times that a character is moved out of bodies that it overlaps.
-const PARTINGS: usize = 4;
+const MAX_PARTINGS: usize = 4;
 
 /// A body that a character ran into.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +71,7 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
 
     /// Moves the character out of bodies that it overlaps.
     pub fn leave_overlaps(&mut self) -> Result<(), QueryError> {
-        for _ in 0..PARTINGS {
+        for _ in 0..MAX_PARTINGS {
             let overlaps = self
                 .query
                 .overlaps(self.collider, self.pose, 0.0, self.filter)?;
@@ -87,12 +87,12 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
     /// How far the character gets along a way from a pose: the distance that is free (m), and the obstacle.
     fn free(&self, from: Pose, way: Vec3) -> Result<(f32, Option<CastHit>), QueryError> {
         /// Cosine of the flattest angle at which a character comes to a surface; flatter ways end nearer than the margin.
-        const FLATTEST: f32 = 0.1;
+        const MIN_COSINE: f32 = 0.1;
         let Ok((direction, length)) = Dir3::new_and_length(way) else {
             return Ok((0.0, None));
         };
         let margin = self.rules.margin;
-        let reach = length + margin / FLATTEST;
+        let reach = length + margin / MIN_COSINE;
         let hit = self
             .query
             .cast_shape(self.collider, from, direction, reach, self.filter)?;
@@ -104,7 +104,7 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
             // It goes away from what it touches.
             return Ok((length, None));
         }
-        let free = (hit.distance - margin / against.max(FLATTEST)).max(0.0);
+        let free = (hit.distance - margin / against.max(MIN_COSINE)).max(0.0);
         match free < length {
             true => Ok((free, Some(hit))),
             false => Ok((length, None)),
@@ -124,7 +124,7 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
         let mut left = way;
         let mut planes: Vec<Vec3> = Vec::new();
         for _ in 0..self.rules.max_slides {
-            if left.length() < NOTHING {
+            if left.length() < MIN_WAY {
                 break;
             }
             let (rest, hit) = self.go(left)?;
@@ -194,7 +194,7 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
         // The step must be deep enough to stand on, even if the character goes on only a little now.
         let probe = length.max(rules.step_depth);
         let (free, _) = self.free(raised, *ahead * probe)?;
-        if free < length.min(rules.step_depth) - NOTHING {
+        if free < length.min(rules.step_depth) - MIN_WAY {
             return Ok(false);
         }
         let over = at(raised.position + *ahead * free);
@@ -208,7 +208,7 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
         // A round shape gets over the edge of a step that is too high.
         let step = (below.point - stood.point).dot(up);
         let height = drop - below.distance + rules.margin;
-        if height <= NOTHING || step > rules.step_height + rules.margin {
+        if height <= MIN_WAY || step > rules.step_height + rules.margin {
             return Ok(false);
         }
         // No higher than the step is, or a ceiling behind it would be met.
@@ -246,7 +246,7 @@ impl SpatialQuery<'_, '_> {
 
 /// The part of a way that leads along all planes.
 fn along(way: Vec3, planes: &[Vec3]) -> Vec3 {
-    let free = |way: Vec3| planes.iter().all(|plane| way.dot(*plane) >= -NOTHING);
+    let free = |way: Vec3| planes.iter().all(|plane| way.dot(*plane) >= -MIN_WAY);
     let Some((last, before)) = planes.split_last() else {
         return way;
     };

@@ -30,7 +30,7 @@ pub(super) struct Groups {
 }
 
 /// Number of bodies whose overlaps one thread finds at a time.
-const SHARE: usize = 1024;
+const BODIES_PER_TASK: usize = 1024;
 
 /// What is near a body that arrives.
 #[derive(Default)]
@@ -51,8 +51,8 @@ impl Groups {
     ) -> Self {
         let mut places = Places::new(slots);
         let shares: Vec<Range<usize>> = (0..slots.len())
-            .step_by(SHARE)
-            .map(|first| first..(first + SHARE).min(slots.len()))
+            .step_by(BODIES_PER_TASK)
+            .map(|first| first..(first + BODIES_PER_TASK).min(slots.len()))
             .collect();
         let near = each(threads, slots.len(), &shares, |share| {
             let mut near = Near::default();

@@ -104,11 +104,11 @@ pub fn any_arrivals(arrivals: Res<Arrivals>) -> bool {
 }
 
 /// Number of pairs whose contacts are found at a time by each thread. They pass through several lists, which stay in the caches.
-const PORTION: usize = 1 << 13;
+const PAIRS_PER_PORTION: usize = 1 << 13;
 
-/// On several threads a portion has at least so many times [`PORTION`] pairs. A group is not divided among threads, so with few groups in a
+/// On several threads a portion has at least so many times [`PAIRS_PER_PORTION`] pairs. A group is not divided among threads, so with few groups in a
 /// portion some threads would wait for others at its end.
-const SHARED: usize = 8;
+const PORTIONS_PER_THREAD: usize = 8;
 
 /// Takes up the bodies; a part of the stage *prepare*.
 pub fn arrive(
@@ -234,8 +234,8 @@ fn connect(world: &mut World, graph: &mut ConstraintGraph, table: &mut BodyTable
     graph.reserve(count, table.slots());
     let threads = world.resource::<PhysicsThreads>().clone();
     let portion = match threads.count() {
-        1 => PORTION,
-        count => PORTION * count.max(SHARED),
+        1 => PAIRS_PER_PORTION,
+        count => PAIRS_PER_PORTION * count.max(PORTIONS_PER_THREAD),
     };
     // The world is written while loads are found.
     let mut settings = SolveContext::copy_resources(world);

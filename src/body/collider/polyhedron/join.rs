@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 
 /// Tolerance for a corner outside the plane of a face, as a multiple of the lattice's slack. It is larger than 1 because a plane was fitted
 /// to more vertices than the corners that are left.
-const OFF: f64 = 2.0;
+const CORNER_TOLERANCE: f64 = 2.0;
 
 /// Builds a polyhedron from the outlines of its faces.
 ///
@@ -98,7 +98,9 @@ fn face(
     let lowest = (0..own.len())
         .map(|k| height(place(k)))
         .fold(high, f64::min);
-    let is_face = own.len() >= 3 && high - lowest <= OFF * slack && high - low >= OFF * slack;
+    let is_face = own.len() >= 3
+        && high - lowest <= CORNER_TOLERANCE * slack
+        && high - low >= CORNER_TOLERANCE * slack;
     is_face.then_some(Face {
         normal,
         offset: high as f32,

@@ -5,16 +5,16 @@ use glam::{DVec3, I64Vec3, Vec3};
 
 /// Number of steps from the middle to the farthest side. With it, lengths stay below 2³⁰, areas stay below 2⁶², and volumes fit into 128
 /// bits.
-const HALF: f64 = (1 << 29) as f64;
+const HALF_EXTENT: f64 = (1 << 29) as f64;
 
 /// A point is on a plane if its distance is less than this share of the longest extent, plus …
-const SHARE: f64 = 4e-6;
+const PLANE_SHARE: f64 = 4e-6;
 
 /// … this share of the largest coordinate, which is eight times the rounding error of single precision.
-const ROUNDING: f64 = 8.0 / (1 << 24) as f64;
+const COORDINATE_ROUNDING: f64 = 8.0 / (1 << 24) as f64;
 
 /// Maximum number of passes that remove vertices. Each pass removes at least about half of the vertices that are not corners.
-const PASSES: usize = 64;
+const MAX_PASSES: usize = 64;
 
 /// Points on a grid around the middle of their bounding box.
 pub(super) struct Lattice {
@@ -35,7 +35,7 @@ impl Lattice {
         let low = doubles().fold(DVec3::INFINITY, DVec3::min);
         let high = doubles().fold(DVec3::NEG_INFINITY, DVec3::max);
         let extent = (high - low).max_element();
-        let step = 0.5 * extent / HALF;
+        let step = 0.5 * extent / HALF_EXTENT;
         if step <= 0.0 {
             return None;
         }
@@ -46,7 +46,7 @@ impl Lattice {
                 .map(|p| ((p - middle) / step).round().as_i64vec3())
                 .collect(),
             step,
-            slack: (SHARE * extent + ROUNDING * largest) / step,
+            slack: (PLANE_SHARE * extent + COORDINATE_ROUNDING * largest) / step,
         })
     }
 
@@ -57,7 +57,7 @@ impl Lattice {
     /// corners.
     pub fn faces(&self) -> Option<Vec<Vec<u32>>> {
         let mut chosen: Vec<u32> = (0..self.points.len() as u32).collect();
-        for _ in 0..PASSES {
+        for _ in 0..MAX_PASSES {
             let points: Vec<_> = chosen.iter().map(|&i| self.points[i as usize]).collect();
             let facets = quickhull::hull(&points, self.slack)?;
             let outlines = outlines::outlines(&points, &facets, self.slack);

@@ -7,7 +7,7 @@ use glam::{DVec3, I64Vec3};
 const NONE: u32 = u32::MAX;
 
 /// How many times a face is grown again, with the plane of its previous facets.
-const FITS: usize = 2;
+const TIMES_GROWN: usize = 2;
 
 struct Plane {
     normal: DVec3,
@@ -57,7 +57,7 @@ pub(super) fn outlines(points: &[I64Vec3], facets: &[Facet], slack: f64) -> Vec<
         }
         let face = outlines.len() as u32;
         let mut part = vec![seed];
-        for _ in 0..=FITS {
+        for _ in 0..=TIMES_GROWN {
             let plane = Plane::of(points, facets, &part);
             let before = part.len();
             part.drain(..).for_each(|i| face_of[i as usize] = NONE);

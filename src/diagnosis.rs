@@ -257,9 +257,9 @@ pub enum StepError {
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(clone_behavior = Ignore, map_entities)]
-pub struct Suspects(pub(crate) Vec<(Entity, BodyProblem)>);
+pub struct FoundProblems(pub(crate) Vec<(Entity, BodyProblem)>);
 
-impl MapEntities for Suspects {
+impl MapEntities for FoundProblems {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         for (entity, problem) in &mut self.0 {
             entity.map_entities(mapper);
@@ -272,7 +272,7 @@ impl MapEntities for Suspects {
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(clone_behavior = Ignore, map_entities)]
-pub struct Told {
+pub struct ReportedProblems {
     /// The first bodies of islands whose solve went wrong in the last step.
     pub(crate) diverged: Vec<Entity>,
     /// There is a [crowd](crate::narrowphase::crowd()).
@@ -297,7 +297,7 @@ pub struct Told {
     pub(crate) strays: EntityHashSet,
 }
 
-impl MapEntities for Told {
+impl MapEntities for ReportedProblems {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         self.diverged.map_entities(mapper);
         for set in [&mut self.hands, &mut self.characters, &mut self.strays] {

@@ -3,7 +3,7 @@
 use super::ground::Carried;
 use super::{Character, CharacterState};
 use crate::body::{Forces, Pose, RigidBody, SpawnOrder};
-use crate::diagnosis::Told;
+use crate::diagnosis::ReportedProblems;
 use crate::query::{CharacterHit, Ground, QueryError, QueryFilter, SpatialQuery};
 use crate::settings::{Gravity, StepTime};
 use crate::solver::sort;
@@ -29,7 +29,7 @@ pub fn characters(
     (time, gravity): (Res<StepTime>, Res<Gravity>),
     mut characters: Query<Parts>,
     mut bodies: Query<Forces, Without<Character>>,
-    mut told: ResMut<Told>,
+    mut told: ResMut<ReportedProblems>,
 ) {
     let dt = time.whole();
     let mut pushes: Vec<(SpawnOrder, CharacterHit, Vec3)> = Vec::new();

@@ -9,7 +9,7 @@ use crate::body::parts::{
 };
 use crate::body::{Density, Mass, RigidBody, WrittenTransforms, weigh_body};
 use crate::components::{FindId, holders_in, remove};
-use crate::diagnosis::{BodyProblem, PartProblem, Suspects, Told};
+use crate::diagnosis::{BodyProblem, FoundProblems, PartProblem, ReportedProblems};
 use bevy_ecs::component::Components;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::entity_disabling::Disabled;
@@ -229,7 +229,7 @@ fn report(
     colliders: &[Entity],
     problems: Vec<(Entity, PartProblem)>,
 ) {
-    let mut told = std::mem::take(&mut world.resource_mut::<Told>().strays);
+    let mut told = std::mem::take(&mut world.resource_mut::<ReportedProblems>().strays);
     told.retain(|part| world.entities().contains(*part));
     let bad: EntityHashSet = problems.iter().map(|&(part, _)| part).collect();
     for part in colliders {
@@ -241,6 +241,6 @@ fn report(
     let new: Vec<_> = new
         .map(|(part, problem)| (part, BodyProblem::PartLeftOut { body, problem }))
         .collect();
-    world.resource_mut::<Told>().strays = told;
-    world.resource_mut::<Suspects>().0.extend(new);
+    world.resource_mut::<ReportedProblems>().strays = told;
+    world.resource_mut::<FoundProblems>().0.extend(new);
 }

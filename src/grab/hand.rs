@@ -1,7 +1,7 @@
 //! Hands that hold the body that a ray points at.
 
 use crate::body::{Grab, HeldBy, RigidBody, let_go_of};
-use crate::diagnosis::Told;
+use crate::diagnosis::ReportedProblems;
 use crate::query::{QueryFilter, Ray3d, SpatialQuery};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, refresh};
 use bevy_app::{App, Plugin};
@@ -181,7 +181,7 @@ pub fn hands(
     world: SpatialQuery,
     mut hands: Query<(Entity, &mut Hand, &mut HandState)>,
     mut bodies: Bodies,
-    mut told: ResMut<Told>,
+    mut told: ResMut<ReportedProblems>,
 ) {
     // All releases come first, so that a body can go from one hand to another in one step.
     let mut freed = EntityHashSet::default();

@@ -84,7 +84,7 @@ impl Need<'_, '_, '_> {
         let then = accounts.get(slot);
         let then = then.unwrap_or_else(|| self.equilibrium(body, &now));
         let change = self.change(body, &now, &then);
-        if body.is_awake() || change <= share * self.pressure(body, &then) {
+        if body.is_awake() || change <= share * self.normal_force(body, &then) {
             return;
         }
         self.wake_supports(slot, change, share, rising);
@@ -131,7 +131,7 @@ impl Need<'_, '_, '_> {
                 let Some(body) = self.table.get(slot).filter(|body| body.is_dynamic()) else {
                     continue;
                 };
-                if change <= share * self.pressure(body, &self.wrench(slot)) {
+                if change <= share * self.normal_force(body, &self.wrench(slot)) {
                     continue;
                 }
                 rising.add(self.table, slot);
@@ -194,7 +194,7 @@ impl Need<'_, '_, '_> {
             }
             let now = self.wrench(slot);
             let then = accounts.get_or_open(slot, || now);
-            if self.change(body, &now, &then) > share * self.pressure(body, &then) {
+            if self.change(body, &now, &then) > share * self.normal_force(body, &then) {
                 rising.add(self.table, slot);
             }
         }
@@ -207,18 +207,18 @@ impl Need<'_, '_, '_> {
     }
 
     /// What presses on a body, N: at least its weight.
-    fn pressure(&self, body: &BodyState, then: &Wrench) -> f32 {
+    fn normal_force(&self, body: &BodyState, then: &Wrench) -> f32 {
         let weight = body.mass.mass() * self.gravity.length() * body.gravity_scale.abs();
-        then.pressure.max(weight)
+        then.normal_force.max(weight)
     }
 
-    /// The forces that keep a body in equilibrium, under this pressure.
+    /// The forces that keep a body in equilibrium, under this normal_force.
     fn equilibrium(&self, body: &BodyState, now: &Wrench) -> Wrench {
         let weight = body.mass.mass() * body.gravity_scale * self.gravity;
         Wrench {
             force: -weight - body.force().force,
             moment: -body.force().torque,
-            pressure: now.pressure,
+            normal_force: now.normal_force,
         }
     }
 

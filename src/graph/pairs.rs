@@ -11,7 +11,7 @@ use super::edges::EdgeKind;
 use super::room::with_room;
 use crate::body::{BodyState, BodyTable, SpawnOrder};
 use crate::broadphase::{Broadphase, Reach};
-use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, Suspects};
+use crate::diagnosis::{BodyProblem, EXTREME_MASS_RATIO, FoundProblems};
 use crate::pair::{
     ContactAnchors, ContactImpulses, ContactPair, ContactTargets, EndedPairs, LostPairs, Manifold,
     NarrowphaseCache, PairParts,
@@ -236,7 +236,7 @@ pub(crate) fn report(world: &mut World, mut warnings: Vec<(Entity, BodyProblem)>
     warnings.retain(|(body, problem)| {
         !matches!(problem, BodyProblem::Coincident { .. }) || named.insert(*body)
     });
-    world.resource_mut::<Suspects>().0.extend(warnings);
+    world.resource_mut::<FoundProblems>().0.extend(warnings);
 }
 
 impl ConstraintGraph {

@@ -9,7 +9,7 @@
 //! before the joint has it.
 
 use crate::body::{BodyState, BodyTable, Pose, RigidBody, SpawnOrder, WORLD};
-use crate::diagnosis::{BodyProblem, EXTREME_JOINT_RATIO, Suspects};
+use crate::diagnosis::{BodyProblem, EXTREME_JOINT_RATIO, FoundProblems};
 use crate::graph::{ConstraintGraph, EdgeKind, activate};
 use crate::joint_types::{
     self, BreakForce, DetachedJoints, JointBasis, JointChanges, JointDefinition, JointDisabled,
@@ -262,7 +262,7 @@ fn warn(world: &mut World, slots: [u32; 2]) {
     if light.mass.inverse_mass > EXTREME_JOINT_RATIO * heavy.mass.inverse_mass {
         let other = light.entity;
         let warning = (heavy.entity, BodyProblem::ExtremeJointRatio { other });
-        world.resource_mut::<Suspects>().0.push(warning);
+        world.resource_mut::<FoundProblems>().0.push(warning);
     }
 }
 

@@ -8,7 +8,7 @@
 
 use super::is_idle;
 use crate::body::BodyTable;
-use crate::diagnosis::{BodyProblem, Suspects, Told};
+use crate::diagnosis::{BodyProblem, FoundProblems, ReportedProblems};
 use crate::graph::ConstraintGraph;
 use crate::pair::{ContactPair, Manifold, Origins, PairState, PairsMut, Part, reorder};
 use crate::revision::Revision;
@@ -38,7 +38,7 @@ pub fn crowd(
     (table, mut graph, time): (Res<BodyTable>, ResMut<ConstraintGraph>, Res<StepTime>),
     places: &Entities,
     mut pairs: PairsMut,
-    (mut suspects, mut told): (ResMut<Suspects>, ResMut<Told>),
+    (mut suspects, mut told): (ResMut<FoundProblems>, ResMut<ReportedProblems>),
 ) {
     let is_crowded = |slot: u32| graph.edges_of(slot).len() > MAX_DEEP_PAIRS;
     let any = table

@@ -19,7 +19,7 @@ pub(crate) struct Wrench {
     /// About the centre of mass, N·m.
     pub moment: Vec3,
     /// The sum of all normal forces, N.
-    pub pressure: f32,
+    pub normal_force: f32,
 }
 
 impl Wrench {
@@ -27,7 +27,7 @@ impl Wrench {
     pub fn add(&mut self, other: &Self) {
         self.force += other.force;
         self.moment += other.moment;
-        self.pressure += other.pressure;
+        self.normal_force += other.normal_force;
     }
 
     /// Adds the forces of a contact on one of its bodies.
@@ -47,7 +47,7 @@ impl Wrench {
                 let friction = impulses.friction.get(i);
                 let friction = friction.map_or(Vec3::ZERO, |point| point.friction_force);
                 let force = sign * (patch.normal * solved.normal_force + friction);
-                self.pressure += solved.normal_force;
+                self.normal_force += solved.normal_force;
                 self.force += force;
                 self.moment += arm(point.arm).cross(force);
             }

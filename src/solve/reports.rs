@@ -1,6 +1,6 @@
 //! Reports of the solves of a step.
 
-use crate::diagnosis::{BodyProblem, Suspects, Told};
+use crate::diagnosis::{BodyProblem, FoundProblems, ReportedProblems};
 use crate::solver::SolveReport;
 use crate::warm_start::{Island, ProblemSet};
 use bevy_ecs::prelude::*;
@@ -34,8 +34,8 @@ pub struct IslandReport {
 #[derive(SystemParam, Debug)]
 pub struct ReportWriter<'w> {
     reports: ResMut<'w, SolveReports>,
-    suspects: ResMut<'w, Suspects>,
-    told: ResMut<'w, Told>,
+    suspects: ResMut<'w, FoundProblems>,
+    told: ResMut<'w, ReportedProblems>,
 }
 
 impl ReportWriter<'_> {

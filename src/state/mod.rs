@@ -23,7 +23,7 @@ use crate::broadphase::Broadphase;
 use crate::character::{Character, CharacterState};
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
 use crate::contact::{CollidingEntities, ContactForceEvents, ContactHooks, Load, Untriggered};
-use crate::diagnosis::{Suspects, Told};
+use crate::diagnosis::{FoundProblems, ReportedProblems};
 use crate::grab::{Hand, HandState};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
@@ -110,5 +110,5 @@ state! {
     resource Hooks hidden { BodyTable, JointChanges, Unassembled }
     resource Stages hidden { Broadphase, ConstraintGraph, Islands, LostPairs, Suspended }
     resource Events hidden { Untriggered, UntriggeredSensorEvents, BrokenJoints, BrokenMortar }
-    resource Other hidden { ActiveSettings, Suspects, Told, EndedPairs, Structures, MovingSurfaces, Sensors, Restored, Arrivals }
+    resource Other hidden { ActiveSettings, FoundProblems, ReportedProblems, EndedPairs, Structures, MovingSurfaces, Sensors, Restored, Arrivals }
 }

@@ -13,17 +13,17 @@
 //!
 //! Several contacts of one heavy body may stand in one block, if many light bodies touch it ([`rounds`](super::rounds)).
 //!
-//! Contacts in a row, as in a stack, fill one lane in a block, since each waits for the one before. There the sequence of blocks is
-//! *skewed*: cut into laps of the same length, which lie side by side, each one sweep behind the lap before it ([`super::patches`]'s laps).
+//! Contacts in a row, as in a stack, fill one lane in a block, since each round_places for the one before. There the sequence of blocks is
+//! *skewed*: cut into segments of the same length, which lie side by side, each one sweep behind the segment before it ([`super::patches`]'s segments).
 
 use super::Body;
-use super::rounds::{RoundEnds, Rounds, Waits};
+use super::rounds::{RoundEnds, RoundPlace, Rounds};
 
 /// The contacts of each block.
 pub struct Batches {
     lanes: usize,
-    laps: usize,
-    /// Number of lanes of a lap.
+    segments: usize,
+    /// Number of lanes of a segment.
     share: usize,
     /// By block and lane: the contact there, or [`NO_CONTACT`].
     slots: Vec<u32>,
@@ -76,8 +76,8 @@ impl Batches {
             return whole;
         }
         let fewest = pairs.len().div_ceil(lanes);
-        let time = |blocks: usize, laps: usize| {
-            (blocks * (TYPICAL_SWEEPS + laps - 1)) as f32 * MIXED_LANES_COST
+        let time = |blocks: usize, segments: usize| {
+            (blocks * (TYPICAL_SWEEPS + segments - 1)) as f32 * MIXED_LANES_COST
         };
         let mut least = SKEWED_TIME_SHARE * (whole.blocks() * TYPICAL_SWEEPS) as f32;
         if time(fewest.max(2), 2) > least {
@@ -88,9 +88,9 @@ impl Batches {
         while width > 0 {
             let none = Rounds::default();
             let narrow = Self::new(width, &pairs, &waves, bodies.len(), moves, none);
-            let blocks = narrow.lap(lanes, &pairs, bodies.len(), moves);
-            let laps = narrow.blocks().div_ceil(blocks);
-            let time = time(blocks, laps);
+            let blocks = narrow.segment(lanes, &pairs, bodies.len(), moves);
+            let segments = narrow.blocks().div_ceil(blocks);
+            let time = time(blocks, segments);
             if time < least {
                 least = time;
                 best = narrow.skew(lanes, blocks);
@@ -111,7 +111,7 @@ impl Batches {
     ) -> Self {
         let mut slots: Vec<u32> = Vec::with_capacity(2 * pairs.len());
         let mut filled: Vec<u8> = Vec::with_capacity(2 * pairs.len() / lanes);
-        let mut turns = Turns::new(bodies, &rounds);
+        let mut places = Earliest::new(bodies, &rounds);
         // By block: a block at or after it that may have room; see `with_room`.
         let mut next: Vec<u32> = Vec::new();
         let mut floor = 0;
@@ -119,7 +119,7 @@ impl Batches {
             let begun = filled.len() as u32;
             for &contact in wave {
                 let pair = pairs[contact as usize];
-                let free = turns.earliest(contact, pair);
+                let free = places.earliest(contact, pair);
                 let block = with_room(&mut next, free.max(floor));
                 if block as usize == filled.len() {
                     filled.push(0);
@@ -132,13 +132,13 @@ impl Batches {
                 if *fill as usize == lanes {
                     next[block as usize] = block + 1;
                 }
-                turns.came(contact, pair, block, &moves);
+                places.place(contact, pair, block, &moves);
             }
             floor = begun;
         }
         Self {
             lanes,
-            laps: 1,
+            segments: 1,
             share: lanes,
             slots,
             contacts: pairs.len(),
@@ -146,9 +146,9 @@ impl Batches {
         }
     }
 
-    /// The fewest blocks of a lap if laps lie side by side in `lanes` lanes. No block may hold a body twice, and each sweep must have
+    /// The fewest blocks of a segment if segments lie side by side in `lanes` lanes. No block may hold a body twice, and each sweep must have
     /// finished with a body before the next sweep reaches the body's first contact.
-    fn lap(
+    fn segment(
         &self,
         lanes: usize,
         pairs: &[[u32; 2]],
@@ -165,20 +165,20 @@ impl Batches {
                 farthest = farthest.max(number - *first);
             }
         }
-        let laps = lanes / self.lanes;
-        self.blocks().div_ceil(laps).max(farthest as usize + 1)
+        let segments = lanes / self.lanes;
+        self.blocks().div_ceil(segments).max(farthest as usize + 1)
     }
 
-    /// Cuts the sequence into laps of `blocks` blocks, side by side in `lanes` lanes.
+    /// Cuts the sequence into segments of `blocks` blocks, side by side in `lanes` lanes.
     fn skew(&self, lanes: usize, blocks: usize) -> Self {
         let mut slots = vec![NO_CONTACT; blocks * lanes];
         for (number, narrow) in self.slots.chunks_exact(self.lanes).enumerate() {
-            let (lap, block) = (number / blocks, number % blocks);
-            slots[block * lanes + lap * self.lanes..][..self.lanes].copy_from_slice(narrow);
+            let (segment, block) = (number / blocks, number % blocks);
+            slots[block * lanes + segment * self.lanes..][..self.lanes].copy_from_slice(narrow);
         }
         Self {
             lanes,
-            laps: self.blocks().div_ceil(blocks),
+            segments: self.blocks().div_ceil(blocks),
             share: self.lanes,
             slots,
             contacts: self.contacts,
@@ -208,19 +208,19 @@ impl Batches {
         self.slots.len() / self.lanes
     }
 
-    /// Number of laps side by side, at least 1.
-    pub fn laps(&self) -> usize {
-        self.laps
+    /// Number of segments side by side, at least 1.
+    pub fn segments(&self) -> usize {
+        self.segments
     }
 
-    /// The lap to which a lane belongs.
-    pub fn lap_of(&self, lane: usize) -> usize {
+    /// The segment to which a lane belongs.
+    pub fn segment_of(&self, lane: usize) -> usize {
         lane / self.share
     }
 
-    /// Number of lanes in all laps.
+    /// Number of lanes in all segments.
     pub fn lanes_used(&self) -> usize {
-        self.laps * self.share
+        self.segments * self.share
     }
 
     /// Whether the mean block holds at least `contacts` contacts.
@@ -273,20 +273,20 @@ impl Iterator for Contacts<'_> {
 }
 
 /// The earliest wave, or block, for the next contact of each body.
-struct Turns<'a> {
+struct Earliest<'a> {
     rounds: &'a Rounds,
     /// By body without rounds: the earliest wave or block.
     after: Vec<u32>,
     /// By body with rounds.
-    waits: Vec<Waits>,
+    round_places: Vec<RoundPlace>,
 }
 
-impl<'a> Turns<'a> {
+impl<'a> Earliest<'a> {
     fn new(bodies: usize, rounds: &'a Rounds) -> Self {
         Self {
             rounds,
             after: vec![0; bodies],
-            waits: vec![Waits::default(); rounds.bodies()],
+            round_places: vec![RoundPlace::default(); rounds.bodies()],
         }
     }
 
@@ -294,17 +294,17 @@ impl<'a> Turns<'a> {
     fn earliest(&mut self, contact: u32, pair: [u32; 2]) -> u32 {
         let seats = self.rounds.seats(contact);
         let earliest: [u32; 2] = std::array::from_fn(|side| match seats[side] {
-            Some(seat) => self.waits[seat.body as usize].earliest(seat.round),
+            Some(seat) => self.round_places[seat.body as usize].earliest(seat.round),
             None => self.after[pair[side] as usize],
         });
         earliest[0].max(earliest[1])
     }
 
     /// Places a contact in wave or block `when`. `moves` says which bodies must not be shared.
-    fn came(&mut self, contact: u32, pair: [u32; 2], when: u32, moves: impl Fn(u32) -> bool) {
+    fn place(&mut self, contact: u32, pair: [u32; 2], when: u32, moves: impl Fn(u32) -> bool) {
         for (body, seat) in pair.into_iter().zip(self.rounds.seats(contact)) {
             match seat {
-                Some(seat) => self.waits[seat.body as usize].came(when),
+                Some(seat) => self.round_places[seat.body as usize].place(when),
                 None if moves(body) => self.after[body as usize] = when + 1,
                 None => {}
             }
@@ -321,17 +321,17 @@ struct Waves {
 
 impl Waves {
     fn of(pairs: &[[u32; 2]], bodies: usize, moves: impl Fn(u32) -> bool, rounds: &Rounds) -> Self {
-        let mut turns = Turns::new(bodies, rounds);
+        let mut places = Earliest::new(bodies, rounds);
         let mut waves: Vec<u32> = Vec::with_capacity(pairs.len());
         for (contact, &pair) in (0..).zip(pairs) {
-            let wave = turns.earliest(contact, pair);
+            let wave = places.earliest(contact, pair);
             waves.push(wave);
-            turns.came(contact, pair, wave, &moves);
+            places.place(contact, pair, wave, &moves);
         }
         let mut sizes = vec![0u32; waves.iter().max().map_or(0, |&wave| wave as usize + 1)];
         // A contact that no earlier contact delays, such as one on the ground, moves to the wave right before the next contact of its
         // bodies.
-        let mut before = turns.after;
+        let mut before = places.after;
         before.fill(u32::MAX);
         for (contact, (pair, wave)) in pairs.iter().zip(&mut waves).enumerate().rev() {
             let moving = || pair.iter().filter(|&&body| moves(body));
@@ -449,15 +449,15 @@ mod tests {
                 let blocks = skewed.blocks();
                 let whole = of(lanes, &pairs, bodies.len(), |body| body > 0);
                 assert!(
-                    skewed.laps() > 1 && blocks < whole.blocks(),
+                    skewed.segments() > 1 && blocks < whole.blocks(),
                     "{length} in {lanes}"
                 );
                 // By contact: its visit, counted since the sweep began.
                 let mut visit_of = vec![usize::MAX; pairs.len()];
                 for (block, contacts) in skewed.iter().enumerate() {
                     for (lane, contact) in contacts {
-                        assert!(skewed.lap_of(lane) < skewed.laps());
-                        visit_of[contact as usize] = skewed.lap_of(lane) * blocks + block;
+                        assert!(skewed.segment_of(lane) < skewed.segments());
+                        visit_of[contact as usize] = skewed.segment_of(lane) * blocks + block;
                     }
                 }
                 for (i, one) in pairs.iter().enumerate() {

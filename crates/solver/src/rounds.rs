@@ -162,14 +162,14 @@ impl Rounds {
 
 /// The earliest wave or block for the contacts of a body with rounds.
 #[derive(Clone, Copy, Default)]
-pub struct Waits {
+pub struct RoundPlace {
     round: u32,
     /// The earliest wave or block of the current round, and the first one after it.
     begins: u32,
     over: u32,
 }
 
-impl Waits {
+impl RoundPlace {
     /// The earliest wave or block for a contact of a round.
     pub fn earliest(&mut self, round: u32) -> u32 {
         if self.round != round {
@@ -179,7 +179,7 @@ impl Waits {
     }
 
     /// Places a contact of the round in wave or block `when`.
-    pub fn came(&mut self, when: u32) {
+    pub fn place(&mut self, when: u32) {
         self.over = self.over.max(when + 1);
     }
 }

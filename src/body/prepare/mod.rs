@@ -30,7 +30,7 @@ use super::{
 };
 use crate::body::{ActiveContactHooks, Grab};
 use crate::components::{holders, remove_later};
-use crate::diagnosis::{BodyProblem, Suspects};
+use crate::diagnosis::{BodyProblem, FoundProblems};
 use crate::settings::{ActiveSettings, SpeedLimits, StepTime};
 use crate::solver::sort;
 use bevy_ecs::archetype::Archetypes;
@@ -68,7 +68,7 @@ pub fn prepare(
     mut commands: Commands,
     (mut table, mut suspects, mut transforms): (
         ResMut<BodyTable>,
-        ResMut<Suspects>,
+        ResMut<FoundProblems>,
         ResMut<WrittenTransforms>,
     ),
     rules: Rules,
@@ -258,7 +258,7 @@ pub(crate) fn add_asleep(
 struct Visitor<'a, 'w, 's> {
     commands: &'a mut Commands<'w, 's>,
     table: &'a mut BodyTable,
-    suspects: &'a mut Suspects,
+    suspects: &'a mut FoundProblems,
     rules: &'a Rules<'a>,
     visit: u64,
     /// Active bodies whose description was written.

@@ -12,7 +12,7 @@ use crate::body::{
     Inactive, MassProperties, Pose, RigidBody, Sleeping, Velocity, listed::DescribedBodies,
 };
 use crate::components::{remove, remove_later};
-use crate::diagnosis::{BodyError, BodyProblem, Suspects};
+use crate::diagnosis::{BodyError, BodyProblem, FoundProblems};
 use bevy_ecs::component::Components;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::hierarchy::ChildOf;
@@ -113,13 +113,13 @@ pub fn lift(
 
 /// Whether problems with bodies were found since they were last reported.
 #[doc(hidden)]
-pub fn any_suspects(suspects: Res<Suspects>) -> bool {
+pub fn any_suspects(suspects: Res<FoundProblems>) -> bool {
     !suspects.0.is_empty()
 }
 
 /// Takes bodies with invalid input out of the simulation and reports them.
 pub fn quarantine(world: &mut World) {
-    let suspects = std::mem::take(&mut world.resource_mut::<Suspects>().0);
+    let suspects = std::mem::take(&mut world.resource_mut::<FoundProblems>().0);
     for (entity, problem) in suspects {
         let Ok(mut body) = world.get_entity_mut(entity) else {
             continue;

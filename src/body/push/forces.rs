@@ -4,7 +4,7 @@ use crate::body::{
     ActiveBodies, ActiveBodyItem, BodyState, BodyTable, LockedAxes, MassProperties, Velocity,
     limits,
 };
-use crate::diagnosis::{BodyProblem, Suspects};
+use crate::diagnosis::{BodyProblem, FoundProblems};
 use crate::settings::{Gravity, SpeedLimits, StepTime};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
@@ -172,7 +172,7 @@ impl Damping {
 pub fn forces(
     (time, gravity, speeds): (Res<StepTime>, Res<Gravity>, Res<SpeedLimits>),
     table: Res<BodyTable>,
-    mut suspects: ResMut<Suspects>,
+    mut suspects: ResMut<FoundProblems>,
     mut bodies: ActiveBodies,
 ) {
     let dt = time.dt;

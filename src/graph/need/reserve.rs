@@ -75,7 +75,7 @@ struct Followed {
     /// What has not been passed on yet.
     rest: Change,
     /// What presses on the body, N.
-    pressure: f32,
+    normal_force: f32,
     /// The share of that below which the rest does not count.
     least: f32,
 }
@@ -129,7 +129,7 @@ impl Need<'_, '_, '_> {
                         total: own,
                         // What other bodies have done was passed on then.
                         rest: if at_boundary { own } else { Change::default() },
-                        pressure: self.pressure(body, &now),
+                        normal_force: self.normal_force(body, &now),
                         least: match (self.is_jointed(slot), at_boundary) {
                             (true, _) => JOINED_CHANGE_SHARE,
                             (false, true) => TOUCHED_CHANGE_SHARE,
@@ -139,7 +139,7 @@ impl Need<'_, '_, '_> {
                 });
                 of.total.add(&change);
                 of.rest.add(&change);
-                if of.rest.size(body.radius) <= of.least * of.pressure {
+                if of.rest.size(body.radius) <= of.least * of.normal_force {
                     continue;
                 }
                 let last = std::mem::take(&mut of.rest);
@@ -147,7 +147,7 @@ impl Need<'_, '_, '_> {
                 if self.stands_on_awake(slot, up) {
                     rising.add(self.table, slot);
                 } else if depth == MAX_DEPTH
-                    || !self.pass_on((slot, body), of.pressure, up, parts, &mut below)
+                    || !self.pass_on((slot, body), of.normal_force, up, parts, &mut below)
                 {
                     rising.add(self.table, slot);
                     self.wake_resting(slot, share, rising);
@@ -171,7 +171,7 @@ impl Need<'_, '_, '_> {
     fn pass_on(
         &self,
         (slot, body): (u32, &BodyState),
-        pressure: f32,
+        normal_force: f32,
         up: Vec3,
         [total, last]: [&Change; 2],
         below: &mut Vec<(u32, Change)>,
@@ -194,7 +194,7 @@ impl Need<'_, '_, '_> {
         }
         let balance = |change: &Change| {
             let of = [change.force, change.moment / body.radius].map(|part| -part);
-            solve(&rows, JOINED_CHANGE_SHARE * pressure, of)
+            solve(&rows, JOINED_CHANGE_SHARE * normal_force, of)
         };
         let [force, moment] = balance(total);
         if force.length_squared() + moment.length_squared() > 1.0 {
@@ -203,7 +203,7 @@ impl Need<'_, '_, '_> {
         let is_taken = |row: &Row| {
             let share = row.force.dot(force) + row.moment.dot(moment);
             let is_taken = share < -TAKEN_SHARE || !row.is_normal && share > TAKEN_SHARE;
-            is_taken && row.reserve > LITTLE_RESERVE * pressure
+            is_taken && row.reserve > LITTLE_RESERVE * normal_force
         };
         if rows.iter().any(is_taken) {
             return false;

@@ -29,7 +29,7 @@ enum Layout {
     Best,
     /// They are plain, for a step whose mode asked for that.
     PlainForMode,
-    /// They are plain, because laps are too short for the grabs on these bodies.
+    /// They are plain, because segments are too short for the grabs on these bodies.
     PlainForGrabs(Vec<u32>),
 }
 
@@ -61,7 +61,7 @@ impl<L: F32xN> Kept<L> {
         });
         let mut kept = valid.unwrap_or_else(|| Box::new(Self::laid_out(problem, found, mode)));
         kept.island.place_grabs(problem);
-        if kept.island.batches.laps() > 1 && !kept.island.grab_places.fit_laps() {
+        if kept.island.batches.segments() > 1 && !kept.island.grab_places.fit_segments() {
             *kept = Self::new(Island::new(problem, batches(L::LANES, problem)));
             kept.layout = Layout::PlainForGrabs(held(problem).collect());
             kept.island.place_grabs(problem);
@@ -74,7 +74,7 @@ impl<L: F32xN> Kept<L> {
     fn suits(&self, problem: &PatchProblem, mode: Mode) -> bool {
         let batches = &self.island.batches;
         if mode != Mode::Overlapping {
-            return batches.laps() == 1 && !batches.has_rounds();
+            return batches.segments() == 1 && !batches.has_rounds();
         }
         let is_best = match &self.layout {
             Layout::Best => true,
@@ -146,7 +146,7 @@ impl<L: F32xN> Kept<L> {
     /// Runs sweeps. Each goes over the blocks from the first to the last, in the order in which bodies were spawned, from the ground up;
     /// back and forth shook stacks and pyramids. Calls `tell` with Σ Wᵢᵢ Δλᵢ² of each, J.
     fn sweep_all(&mut self, problem: &PatchProblem, passes: &[Pass], tell: &mut dyn FnMut(f32)) {
-        match self.island.batches.laps() {
+        match self.island.batches.segments() {
             1 => self.island.sweep(problem, passes, tell),
             _ => {
                 let batches = &self.island.batches;

@@ -180,20 +180,20 @@ impl<L: F32xN> Island<L> {
 
     /// Applies the warm-start impulses of some blocks.
     pub fn warm_start(&mut self, blocks: Range<usize>) {
-        for lap in 0..self.batches.laps() {
+        for segment in 0..self.batches.segments() {
             L::run(Start {
-                lanes: self.lanes_of(|of| of == lap),
+                lanes: self.lanes_of(|of| of == segment),
                 island: &mut *self,
                 blocks: blocks.clone(),
             });
         }
     }
 
-    /// 1 in the lanes whose laps satisfy `is`, else 0.
+    /// 1 in the lanes whose segments satisfy `is`, else 0.
     pub fn lanes_of(&self, is: impl Fn(usize) -> bool) -> L {
         let mut lanes = L::ZERO;
         for lane in 0..self.batches.lanes_used() {
-            if is(self.batches.lap_of(lane)) {
+            if is(self.batches.segment_of(lane)) {
                 lanes[lane] = 1.0;
             }
         }
@@ -227,7 +227,7 @@ impl<L: F32xN> Island<L> {
         }
         self.missing.resize(self.blocks.len(), L::ZERO);
         let count = self.blocks.len();
-        let size = match problem.threads == 1 && self.batches.laps() == 1 {
+        let size = match problem.threads == 1 && self.batches.segments() == 1 {
             true => BLOCKS_AT_A_TIME,
             false => count.max(1),
         };
@@ -329,7 +329,7 @@ impl<L: F32xN> Island<L> {
         passes: &[Pass],
         mode: Mode,
     ) -> (f32, Changes) {
-        let may_follow = problem.threads == 1 && self.batches.laps() == 1;
+        let may_follow = problem.threads == 1 && self.batches.segments() == 1;
         let pipeline = may_follow.then(|| self.take_pipeline(problem)).flatten();
         let upwards = passes.iter().take_while(|pass| !pass.down);
         let upwards = match mode {

@@ -55,9 +55,9 @@ impl GrabPlaces {
         true
     }
 
-    /// Whether sweeps may run in laps.
-    pub fn fit_laps(&self) -> bool {
-        self.places.is_empty() || self.places.fits_laps
+    /// Whether sweeps may run in segments.
+    pub fn fit_segments(&self) -> bool {
+        self.places.is_empty() || self.places.fits_segments
     }
 
     /// Prepares the grabs for the first substep, of `h` s.

@@ -5,7 +5,7 @@
 //! changes. So in every sweep an edge comes before all contacts of its bodies. The result equals that of a sweep over all edges and then
 //! all blocks, to the bit, because no earlier block holds one of its bodies.
 //!
-//! Sweeps that overlap, in [laps](crate::patches::soft_step::sweeps::skewed) or in a
+//! Sweeps that overlap, in [segments](crate::patches::soft_step::sweeps::skewed) or in a
 //! [pipeline](crate::patches::soft_step::sweeps::pipeline), visit a block only where the sweep before has finished with its bodies. They
 //! treat an edge as a part of its block, with all of its bodies, so the same holds for edges.
 //!
@@ -20,7 +20,7 @@ use std::ops::Range;
 pub struct Visits {
     /// By body: its first and last visit, counted in visits to blocks since the sweep began.
     of: Vec<[u32; 2]>,
-    /// Blocks in a lap.
+    /// Blocks in a segment.
     blocks: u32,
 }
 
@@ -30,7 +30,7 @@ impl Visits {
         let mut of = vec![[u32::MAX, 0]; problem.bodies.len()];
         for (block, lanes) in (0..).zip(batches.iter()) {
             for (lane, patch) in lanes {
-                let visit = batches.lap_of(lane) as u32 * blocks + block;
+                let visit = batches.segment_of(lane) as u32 * blocks + block;
                 for body in problem.patches[patch as usize].bodies {
                     let [first, last] = &mut of[body as usize];
                     (*first, *last) = (visit.min(*first), visit.max(*last));
@@ -52,8 +52,8 @@ impl Visits {
 pub struct Group {
     /// The block before which its edges are relaxed.
     pub block: u32,
-    /// The lap whose sweep its edges belong to.
-    pub lap: u32,
+    /// The segment whose sweep its edges belong to.
+    pub segment: u32,
     edges: Range<usize>,
     bodies: Range<usize>,
 }
@@ -65,15 +65,15 @@ pub struct EdgePlaces {
     /// The edges of all groups, one group after another.
     edges: Vec<u32>,
     bodies: Vec<u32>,
-    /// In laps, each sweep has finished with the bodies of a group before the next sweep reaches the group.
-    pub fits_laps: bool,
+    /// In segments, each sweep has finished with the bodies of a group before the next sweep reaches the group.
+    pub fits_segments: bool,
 }
 
 impl EdgePlaces {
     /// Places edges. `edges` lists for each edge the moving bodies that it reads or changes.
     pub fn new(edges: &[Vec<u32>], visits: &Visits) -> Self {
         let mut places = Self {
-            fits_laps: true,
+            fits_segments: true,
             ..Self::default()
         };
         for (edges, bodies) in groups(edges) {
@@ -81,10 +81,10 @@ impl EdgePlaces {
             let span = visits_of.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
             let [first, last] = span.unwrap_or_default();
             let blocks = visits.blocks.max(1);
-            places.fits_laps &= last - first < blocks;
+            places.fits_segments &= last - first < blocks;
             let group = Group {
                 block: first % blocks,
-                lap: first / blocks,
+                segment: first / blocks,
                 edges: places.edges.len()..places.edges.len() + edges.len(),
                 bodies: places.bodies.len()..places.bodies.len() + bodies.len(),
             };

@@ -13,11 +13,11 @@ fn blocks_are_not_skewed_if_laps_are_too_short_for_a_grab() {
     let of = |problem: &PatchProblem| {
         Kept::<F32x4>::of(None, problem, Lanes::Four, None, Mode::Overlapping)
     };
-    assert!(of(&problem).island.batches.laps() > 1);
+    assert!(of(&problem).island.batches.segments() > 1);
     let mut held = Masonry::stack(9, 0.0).held([4]);
     let problem = held.problem(&mut memory);
     let kept = of(&problem);
-    assert_eq!(kept.island.batches.laps(), 1);
+    assert_eq!(kept.island.batches.segments(), 1);
     let first = kept.island.blocks.as_ptr();
     let kept = Kept::of(Some(kept), &problem, Lanes::Four, None, Mode::Overlapping);
     assert_eq!(
@@ -28,7 +28,7 @@ fn blocks_are_not_skewed_if_laps_are_too_short_for_a_grab() {
     let mut free = Masonry::stack(9, 0.0);
     let problem = free.problem(&mut memory);
     let freed = Kept::of(Some(kept), &problem, Lanes::Four, None, Mode::Overlapping);
-    assert!(freed.island.batches.laps() > 1, "the grab has let go");
+    assert!(freed.island.batches.segments() > 1, "the grab has let go");
 }
 
 #[test]

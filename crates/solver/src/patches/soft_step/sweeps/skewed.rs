@@ -1,11 +1,11 @@
 //! Skewed sweeps: several sweeps at once, side by side in the lanes of one block.
 //!
 //! Where contacts stand in a row, as in a stack, no two of them can be relaxed side by side in one sweep. But the next sweep can follow
-//! this one up the row, in the lanes beside it. The sequence of blocks is cut into *laps* ([`Batches::skewed`]), each of which is one sweep
-//! behind the lap before it. In a *turn* every block is visited once, and each lap does its part of its own sweep. Contacts that share a
-//! body come in the same order as in sweeps one after the other: those of one lap because the turn keeps their order, those of two laps
-//! because a lap is at least as long as the distance between the first and the last contact of a body. The work on a body between two
-//! sweeps is done right after the last block that holds it. Grabs stand before a block, in one of its laps
+//! this one up the row, in the lanes beside it. The sequence of blocks is cut into *segments* ([`Batches::skewed`]), each of which is one sweep
+//! behind the segment before it. In a *cycle* every block is visited once, and each segment does its part of its own sweep. Contacts that share a
+//! body come in the same order as in sweeps one after the other: those of one segment because the cycle keeps their order, those of two segments
+//! because a segment is at least as long as the distance between the first and the last contact of a body. The work on a body between two
+//! sweeps is done right after the last block that holds it. Grabs stand before a block, in one of its segments
 //! ([`places`](crate::patches::soft_step::grabs::places)). So the result is that of sweeps one after the other, to the bit.
 //!
 //! Without skewing, a stack of 20 takes 1.3 times as long, a tower of 40 layers 1.8 times, 50 dominoes 1.15 times. Walls and heaps take the
@@ -23,7 +23,7 @@ use std::cell::Cell;
 /// The visits after which a sweep has finished with bodies, found once for the blocks of an island.
 #[derive(Default)]
 pub struct SkewedSweeps {
-    /// Bodies that move, in the order of the last block of their last lap.
+    /// Bodies that move, in the order of the last block of their last segment.
     bodies: Vec<Last>,
     /// By block: where its bodies end in `bodies`.
     ends: Vec<u32>,
@@ -31,17 +31,17 @@ pub struct SkewedSweeps {
     changes: Vec<f32>,
 }
 
-/// By lap: the pass that it is in; none if it is idle.
-type AtWork<'a> = [Option<&'a Pass>; MAX_LAPS];
+/// By segment: the pass that it is in; none if it is idle.
+type AtWork<'a> = [Option<&'a Pass>; MAX_SEGMENTS];
 
-/// Upper bound of laps: one lane each.
-const MAX_LAPS: usize = 8;
+/// Upper bound of segments: one lane each.
+const MAX_SEGMENTS: usize = 8;
 
-/// A body, and the lap of the last of its contacts.
+/// A body, and the segment of the last of its contacts.
 #[derive(Clone, Copy)]
 struct Last {
     body: u32,
-    lap: u32,
+    segment: u32,
 }
 
 impl SkewedSweeps {
@@ -50,10 +50,10 @@ impl SkewedSweeps {
         let mut last = vec![(0, 0); problem.bodies.len()];
         for (block, lanes) in (0..).zip(batches.iter()) {
             for (lane, patch) in lanes {
-                let lap = batches.lap_of(lane) as u32;
+                let segment = batches.segment_of(lane) as u32;
                 for body in problem.patches[patch as usize].bodies {
                     let last = &mut last[body as usize];
-                    *last = (lap, block).max(*last);
+                    *last = (segment, block).max(*last);
                 }
             }
         }
@@ -68,7 +68,7 @@ impl SkewedSweeps {
                 .iter()
                 .map(|&body| Last {
                     body,
-                    lap: last[body as usize].0,
+                    segment: last[body as usize].0,
                 })
                 .collect(),
             changes: Vec::new(),
@@ -86,9 +86,9 @@ impl SkewedSweeps {
     }
 }
 
-/// The sweep that a lap is in during a turn; none if it is idle.
-fn sweep_of(lap: usize, turn: usize, passes: &[Pass]) -> Option<usize> {
-    let sweep = turn.checked_sub(lap)?;
+/// The sweep that a segment is in during a cycle; none if it is idle.
+fn sweep_of(segment: usize, cycle: usize, passes: &[Pass]) -> Option<usize> {
+    let sweep = cycle.checked_sub(segment)?;
     (sweep < passes.len()).then_some(sweep)
 }
 
@@ -102,19 +102,19 @@ impl<L: F32xN> Island<L> {
     ) {
         skewed.changes.clear();
         skewed.changes.resize(passes.len(), 0.0);
-        for turn in 0..passes.len() + self.batches.laps() - 1 {
-            let mut at_work = [None; MAX_LAPS];
-            for (lap, pass) in at_work.iter_mut().take(self.batches.laps()).enumerate() {
-                *pass = sweep_of(lap, turn, passes).map(|sweep| &passes[sweep]);
+        for cycle in 0..passes.len() + self.batches.segments() - 1 {
+            let mut at_work = [None; MAX_SEGMENTS];
+            for (segment, pass) in at_work.iter_mut().take(self.batches.segments()).enumerate() {
+                *pass = sweep_of(segment, cycle, passes).map(|sweep| &passes[sweep]);
             }
             let (change, held) = self.visit_all(skewed, &at_work);
             for lane in 0..L::LANES {
-                if let Some(sweep) = sweep_of(self.batches.lap_of(lane), turn, passes) {
+                if let Some(sweep) = sweep_of(self.batches.segment_of(lane), cycle, passes) {
                     skewed.changes[sweep] += change[lane];
                 }
             }
-            for (lap, held) in held.into_iter().enumerate() {
-                if let Some(sweep) = sweep_of(lap, turn, passes) {
+            for (segment, held) in held.into_iter().enumerate() {
+                if let Some(sweep) = sweep_of(segment, cycle, passes) {
                     skewed.changes[sweep] += held;
                 }
             }
@@ -122,16 +122,17 @@ impl<L: F32xN> Island<L> {
         skewed.changes.iter().copied().for_each(tell);
     }
 
-    /// Visits each block once. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of grabs by lap.
-    fn visit_all(&mut self, skewed: &SkewedSweeps, passes: &AtWork) -> (L, [f32; MAX_LAPS]) {
-        let mine = &passes[..self.batches.laps()];
+    /// Visits each block once. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of grabs by segment.
+    fn visit_all(&mut self, skewed: &SkewedSweeps, passes: &AtWork) -> (L, [f32; MAX_SEGMENTS]) {
+        let mine = &passes[..self.batches.segments()];
         let all = |is: fn(&Pass) -> bool| mine.iter().all(|pass| pass.is_some_and(is));
         if all(|pass| !pass.soft) {
             self.visit_all_as(skewed, passes, Rigid)
         } else if all(|pass| pass.soft && !pass.first) {
             self.visit_all_as(skewed, passes, Soft { first: false })
         } else {
-            let lanes = |is: fn(&Pass) -> bool| self.lanes_of(|lap| passes[lap].is_some_and(is));
+            let lanes =
+                |is: fn(&Pass) -> bool| self.lanes_of(|segment| passes[segment].is_some_and(is));
             let kinds = Mixed {
                 soft: lanes(|pass| pass.soft),
                 rigid: lanes(|pass| !pass.soft),
@@ -146,7 +147,7 @@ impl<L: F32xN> Island<L> {
         skewed: &SkewedSweeps,
         passes: &AtWork,
         kinds: K,
-    ) -> (L, [f32; MAX_LAPS]) {
+    ) -> (L, [f32; MAX_SEGMENTS]) {
         L::run(Visits {
             island: self,
             skewed,
@@ -156,7 +157,7 @@ impl<L: F32xN> Island<L> {
     }
 }
 
-/// One visit to each block. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of grabs by lap.
+/// One visit to each block. Returns Σ Wᵢᵢ Δλᵢ², J, of contacts by lane, and of grabs by segment.
 struct Visits<'a, L: F32xN, K> {
     island: &'a mut Island<L>,
     skewed: &'a SkewedSweeps,
@@ -165,10 +166,10 @@ struct Visits<'a, L: F32xN, K> {
 }
 
 impl<L: F32xN, K: Kinds<L>> Kernel for Visits<'_, L, K> {
-    type Output = (L, [f32; MAX_LAPS]);
+    type Output = (L, [f32; MAX_SEGMENTS]);
 
     #[inline(always)]
-    fn run(self) -> (L, [f32; MAX_LAPS]) {
+    fn run(self) -> (L, [f32; MAX_SEGMENTS]) {
         let Island {
             blocks,
             points,
@@ -184,17 +185,17 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Visits<'_, L, K> {
         let [velocities, before, motions] = states;
         // The passes differ only in the kinds of their lanes and in the work after visits, so any of them will do.
         let Some(any) = self.passes.iter().flatten().next() else {
-            return (L::ZERO, [0.0; MAX_LAPS]);
+            return (L::ZERO, [0.0; MAX_SEGMENTS]);
         };
         let mut change = L::ZERO;
-        let mut held = [0.0; MAX_LAPS];
+        let mut held = [0.0; MAX_SEGMENTS];
         let groups = grab_places.places.groups();
         let mut group = 0;
         for (number, block) in blocks.iter_mut().enumerate() {
             while group < groups.len() && groups[group].block as usize == number {
-                let lap = groups[group].lap as usize;
-                if self.passes[lap].is_some() {
-                    held[lap] += grab_places.places.visit(
+                let segment = groups[group].segment as usize;
+                if self.passes[segment].is_some() {
+                    held[segment] += grab_places.places.visit(
                         &groups[group],
                         grabs,
                         velocities,
@@ -206,8 +207,8 @@ impl<L: F32xN, K: Kinds<L>> Kernel for Visits<'_, L, K> {
             }
             let points = &mut points[block.range()];
             change += block.relax(self.kinds, points, velocities, motions, any);
-            for &Last { body, lap } in self.skewed.done(number) {
-                if let Some(pass) = self.passes[lap as usize] {
+            for &Last { body, segment } in self.skewed.done(number) {
+                if let Some(pass) = self.passes[segment as usize] {
                     let body = body as usize;
                     pass.end(&velocities[body], &before[body], &motions[body]);
                 }

@@ -53,9 +53,13 @@ fn equal<L: F32xN>(name: &str, masonry: fn() -> Masonry) {
     let (mut alone, passes) = started::<L>(&problem, batches(L::LANES, &problem));
     let one_by_one: Vec<f32> = passes.iter().map(|pass| alone.sweep_alone(pass)).collect();
     let (mut skewed, passes) = started::<L>(&problem, skewed(L::LANES, &problem));
-    assert!(skewed.batches.laps() > 1, "{name} in {} lanes", L::LANES);
     assert!(
-        skewed.grab_places.fit_laps(),
+        skewed.batches.segments() > 1,
+        "{name} in {} lanes",
+        L::LANES
+    );
+    assert!(
+        skewed.grab_places.fit_segments(),
         "{name} in {} lanes",
         L::LANES
     );
@@ -113,7 +117,7 @@ fn blocks_with_full_lanes_are_not_skewed() {
     let mut memory = Memory::default();
     let problem = wall.problem(&mut memory);
     for lanes in [4, 8] {
-        assert_eq!(skewed(lanes, &problem).laps(), 1);
+        assert_eq!(skewed(lanes, &problem).segments(), 1);
     }
 }
 
@@ -122,5 +126,5 @@ fn blocks_are_not_skewed_beside_a_driven_body() {
     let mut stack = Masonry::stack(20, 0.0);
     stack.bodies[0].start[0] = Vec3::X;
     let mut memory = Memory::default();
-    assert_eq!(skewed(4, &stack.problem(&mut memory)).laps(), 1);
+    assert_eq!(skewed(4, &stack.problem(&mut memory)).segments(), 1);
 }

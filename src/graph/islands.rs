@@ -6,13 +6,12 @@
 //! last step finds bodies that were added, removed, or changed in kind.
 
 use super::ConstraintGraph;
-use super::account::Accounts;
 use super::activation::{Deactivation, activate, deactivate};
-use super::drift::Drifts;
 use super::forces::Forces;
 use super::levels::{Kind, Levels};
-use super::need::{Need, Sleepers};
 use super::partition::Partition;
+use super::sleeping::Drifts;
+use super::waking::{Accounts, Need, Sleepers};
 use crate::body::{BodyState, BodyTable, SpawnOrder, cover, written_rows};
 use crate::joint_types::JointEdge;
 use crate::pair::{LostPairs, PairsRef, Part};

@@ -23,20 +23,15 @@
 //!
 //! The graph lies above the broadphase and the components of contacts, and below all code that asks how bodies are connected.
 
-mod account;
 mod activation;
 mod active;
-mod drift;
 mod edges;
 mod forces;
-mod held;
 mod islands;
 mod levels;
-mod need;
 mod pairs;
 mod partition;
 mod parts;
-mod rising;
 mod room;
 mod sleeping;
 #[cfg(test)]
@@ -44,7 +39,6 @@ pub(crate) mod tests;
 mod waking;
 
 pub use activation::{activate, any_disturbed};
-pub(crate) use drift::Drift;
 pub use edges::ConstraintGraph;
 pub(crate) use edges::EdgeKind;
 pub use islands::{Islands, activation, islands};
@@ -52,4 +46,5 @@ pub use pairs::pair_changes;
 pub(crate) use pairs::{end_pairs, report, warn};
 pub(crate) use parts::Parts;
 pub(crate) use room::with_room;
+pub(crate) use sleeping::Drift;
 pub use sleeping::sleeping;

@@ -18,12 +18,11 @@
 //! The idea to solve only near a disturbance, and to watch the forces of what is at rest beside it, is that of Coevoet, Benchekroun and
 //! Kry, *Adaptive Merging for Rigid Body Simulation*, ACM Transactions on Graphics 39(4), 2020.
 
-use super::ConstraintGraph;
 use super::account::Accounts;
-use super::edges::{EdgeKind, Link};
-use super::forces::Forces;
 use super::rising::Rising;
 use crate::body::{BodyState, BodyTable, ExternalImpulse, Sleeping};
+use crate::graph::edges::{EdgeKind, Link};
+use crate::graph::{ConstraintGraph, forces::Forces};
 use crate::joint_types::JointEdge;
 use crate::pair::Wrench;
 use crate::solver::{Both, sort};
@@ -32,7 +31,7 @@ use glam::Vec3;
 use smallvec::SmallVec;
 
 /// Which bodies sleep, and the impulses that users give.
-pub(super) type Sleepers<'w, 's> =
+pub(in crate::graph) type Sleepers<'w, 's> =
     Query<'w, 's, (&'static mut Sleeping, Option<&'static ExternalImpulse>)>;
 
 /// Bodies that hold another one up, by slot, with their forces, N.
@@ -42,7 +41,7 @@ type Supports = SmallVec<[(u32, f32); 8]>;
 const WAKING_OVERLAP: f32 = 1e-3;
 
 /// The search for sleeping bodies that need to wake.
-pub(super) struct Need<'a, 'w, 's> {
+pub(in crate::graph) struct Need<'a, 'w, 's> {
     pub graph: &'a ConstraintGraph,
     pub table: &'a BodyTable,
     pub forces: &'a Forces<'w, 's>,

@@ -6,24 +6,28 @@
 //!   was replaced, or with a body that was one.
 //! - Bodies that are joined to an awake body, and bodies that are joined to those.
 //! - Bodies that awake bodies touch: under [`Waking::Islands`] all that are connected with them, under [`Waking::ByNeed`] those that
-//!   [need](super::need) it.
+//!   [need](need) it.
 
-use super::ConstraintGraph;
-use super::drift::Drift;
-use super::edges::EdgeKind;
-use super::islands::{Islands, is_among};
-use super::need::{Need, Sleepers};
-use super::rising::Rising;
+mod account;
+mod need;
+mod rising;
+
+pub(in crate::graph) use account::Accounts;
+pub(in crate::graph) use need::{Need, Sleepers};
+
 use crate::body::{BodyState, BodyTable, Velocity};
+use crate::graph::islands::{Islands, is_among};
+use crate::graph::{ConstraintGraph, edges::EdgeKind, sleeping::Drift};
 use crate::pair::Wrench;
 use crate::settings::Waking;
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
+use rising::Rising;
 
 impl Islands {
     /// Finds the sleeping bodies that wake in this step, and keeps the accounts of those that go on sleeping beside awake bodies.
-    pub(super) fn find_rising(&mut self, need: &Need, waking: Waking) -> Vec<u32> {
+    pub(in crate::graph) fn find_rising(&mut self, need: &Need, waking: Waking) -> Vec<u32> {
         let mut rising = Rising::default();
         if self.sleepers == 0 {
             return rising.slots;
@@ -141,7 +145,11 @@ impl Islands {
     }
 
     /// Opens the accounts of the sleeping bodies of a scene that was loaded in this step.
-    pub(super) fn restore_accounts(&mut self, table: &BodyTable, restored: &RestoredAccounts) {
+    pub(in crate::graph) fn restore_accounts(
+        &mut self,
+        table: &BodyTable,
+        restored: &RestoredAccounts,
+    ) {
         if restored.is_empty() {
             return;
         }
@@ -165,7 +173,7 @@ impl Islands {
     }
 
     /// Wakes bodies. Inactive ones are marked, and become active next.
-    pub(super) fn wake(
+    pub(in crate::graph) fn wake(
         &mut self,
         table: &mut BodyTable,
         rising: Vec<u32>,
@@ -191,7 +199,7 @@ impl Islands {
     /// Finds the bodies that were added asleep, with the sleeping bodies that are connected with them: these share the new load, and get
     /// static loads in this step without waking. If they touch awake bodies, those that were added wake instead; bodies of a saved scene
     /// have slept beside awake ones, and go on sleeping.
-    pub(super) fn find_loading(
+    pub(in crate::graph) fn find_loading(
         &mut self,
         graph: &ConstraintGraph,
         table: &mut BodyTable,
@@ -227,7 +235,7 @@ impl Islands {
     }
 
     /// Finds the bodies that may become inactive: sleeping bodies, and static and kinematic bodies that do not move.
-    pub(super) fn find_deactivation(&mut self, table: &BodyTable) {
+    pub(in crate::graph) fn find_deactivation(&mut self, table: &BodyTable) {
         let is_loaded = |slot: u32| is_among(&self.loading, slot);
         let rest = table.active();
         let rest = rest.filter(|&(slot, body)| body.may_rest() && !is_loaded(slot));
@@ -237,7 +245,7 @@ impl Islands {
 }
 
 /// The entities of a scene that was loaded in this step, with the accounts of sleeping bodies.
-pub(super) type RestoredAccounts = EntityHashMap<Option<Wrench>>;
+pub(in crate::graph) type RestoredAccounts = EntityHashMap<Option<Wrench>>;
 
 /// Returns true for a body that was added asleep in this step.
 fn arrives(body: &BodyState) -> bool {
@@ -246,7 +254,7 @@ fn arrives(body: &BodyState) -> bool {
 
 impl BodyState {
     /// Returns true if the body sleeps or stands still, did so in the step before, and was not disturbed.
-    pub(super) fn may_rest(&self) -> bool {
+    pub(in crate::graph) fn may_rest(&self) -> bool {
         let still = match self.is_dynamic() {
             true => self.asleep && !self.disturbed,
             false => self.velocity == Velocity::default() && self.target.is_none(),

@@ -39,7 +39,7 @@ const MIN_SPEED_SHARE: f32 = 0.1;
 /// What was seen of bodies that are still, by slot.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Drifts(
+pub(in crate::graph) struct Drifts(
     #[cfg_attr(
         feature = "serde",
         serde(serialize_with = "crate::stored::written::sorted")
@@ -71,7 +71,7 @@ pub(crate) struct Drift {
 
 /// How a body that is still moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Drifting {
+pub(in crate::graph) enum Drifting {
     /// It is at rest.
     Rests,
     /// It is at rest if contacts hold it.

@@ -1,9 +1,7 @@
 //! Bodies that dry contacts hold. If such a body moves on slowly, the solver lets it creep: nothing drives it.
 
-use super::edges::EdgeKind;
-use super::forces::Forces;
-use super::{ConstraintGraph, Islands};
 use crate::body::BodyState;
+use crate::graph::{ConstraintGraph, Islands, edges::EdgeKind, forces::Forces};
 use crate::joint_types::JointEdge;
 use crate::pair::MovingSurfaces;
 use crate::settings::Gravity;
@@ -26,7 +24,7 @@ pub struct Holding<'w, 's> {
 
 impl Holding<'_, '_> {
     /// Returns true if dry contacts hold a body on which nothing else acts that could move it steadily.
-    pub(super) fn holds(&self, slot: u32, body: &BodyState) -> bool {
+    pub(in crate::graph) fn holds(&self, slot: u32, body: &BodyState) -> bool {
         let limits = [
             body.properties.max_linear_speed.0,
             body.properties.max_angular_speed.0,
@@ -46,7 +44,7 @@ impl Holding<'_, '_> {
     }
 
     /// Returns true if a surface that moves, or a joint that turns or slides, may drive the bodies of an island.
-    pub(super) fn is_driven(&self, islands: &Islands, island: usize) -> bool {
+    pub(in crate::graph) fn is_driven(&self, islands: &Islands, island: usize) -> bool {
         if self.surfaces.is_empty() && !self.graph.has_joints() {
             return false;
         }

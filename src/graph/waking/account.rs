@@ -6,7 +6,7 @@ use bevy_platform::collections::HashMap;
 /// The forces with which sleeping bodies fell asleep, for those that awake bodies touch or have touched; by slot.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Accounts(
+pub(in crate::graph) struct Accounts(
     #[cfg_attr(
         feature = "serde",
         serde(serialize_with = "crate::stored::written::sorted")

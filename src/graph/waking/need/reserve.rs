@@ -12,8 +12,8 @@
 
 use super::{Need, Rising};
 use crate::body::BodyState;
-use crate::graph::account::Accounts;
 use crate::graph::edges::{EdgeKind, Link};
+use crate::graph::waking::Accounts;
 use crate::pair::{ContactImpulses, ContactPair, Manifold, Wrench};
 use crate::solver::sort;
 use bevy_platform::collections::HashMap;

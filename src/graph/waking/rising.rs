@@ -1,13 +1,12 @@
 //! Lists of sleeping bodies that are to wake.
 
-use super::ConstraintGraph;
-use super::edges::Link;
 use crate::body::{BodyState, BodyTable};
+use crate::graph::{ConstraintGraph, edges::Link};
 use fixedbitset::FixedBitSet;
 
 /// Sleeping bodies that are to wake.
 #[derive(Default)]
-pub(super) struct Rising {
+pub(in crate::graph) struct Rising {
     marked: FixedBitSet,
     pub slots: Vec<u32>,
 }

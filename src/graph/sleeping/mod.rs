@@ -1,17 +1,23 @@
-//! The stage **sleeping**: puts islands to sleep whose bodies have all been still for a while and are [at rest](super::drift), so that they
+//! The stage **sleeping**: puts islands to sleep whose bodies have all been still for a while and are [at rest](drift), so that they
 //! cost no time.
 //!
 //! A sleeping body keeps its contacts, impulses and anchors, so that it continues from the same state when it wakes. It becomes
 //! [inactive](crate::body::Inactive) in the next step. It wakes when the user moves, pushes, holds or changes it, when settings change,
-//! when an awake body hits it or changes what it bears, and when a body that it touched is removed; see [`islands`](super::islands()).
+//! when an awake body hits it or changes what it bears, and when a body that it touched is removed; see [`islands`](crate::graph::islands()).
 
-use super::Islands;
-use super::drift::Drifting;
-use super::held::Holding;
+mod drift;
+mod held;
+
+pub(crate) use drift::Drift;
+pub(in crate::graph) use drift::Drifts;
+
 use crate::body::{ActiveBodies, BodyIndex, BodyState, BodyTable, Velocity};
+use crate::graph::Islands;
 use crate::settings::{SleepSettings, StepTime};
 use bevy_ecs::prelude::*;
 use bevy_math::FloatPow;
+use drift::Drifting;
+use held::Holding;
 
 /// Puts islands to sleep whose bodies have been still for [`SleepSettings::delay`], and are at rest.
 pub fn sleeping(

@@ -34,7 +34,7 @@ use crate::body::{
     RigidBodyDisabled, SpawnOrder, Velocity,
 };
 use crate::components::init;
-use crate::contact::Contacts;
+use crate::contact::{Contacts, FaceForce};
 use crate::graph::Islands;
 use crate::mortar::{BrokenMortar, MortarBroke};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, StepMessages};
@@ -313,35 +313,85 @@ pub(crate) fn collapses(
     mut begun: MessageWriter<Collapse>,
     mut ended: MessageWriter<CollapseEnded>,
 ) {
-    let put = |index: &BodyIndex| {
-        table
-            .get(index.0)
-            .is_some_and(|body| body.put_from.is_some())
-    };
-    for mut of in &mut watched {
-        // The user has placed the body. This happens before the first substep.
-        if time.substep == 0 && of.watch().is_some() && put(of.index) {
-            of.stands.leave();
-        }
+    if time.substep == 0 {
+        forget_placed(&table, &mut watched);
     }
     if !time.is_last() {
         return;
     }
     let structures = &mut *structures;
-    structures.now += f64::from(time.whole());
-    let now = structures.now;
-    let broken = broken.of_step.iter();
-    structures.broken.extend(broken.map(|broke| (now, *broke)));
-    let down = gravity.0.normalize_or_zero();
-    // By structure: who has gone farthest beyond what counts, of those that do so in this step, and where all of those stood.
-    let mut gone: HashMap<u64, (f32, SpawnOrder, Entity, FailureMode)> = HashMap::default();
-    let mut left: HashMap<u64, Vec<(Entity, Pose)>> = HashMap::default();
-    let mut settled: Vec<(u32, Entity, u32, Pose)> = Vec::new();
-    let mut known: HashMap<u32, u64> = HashMap::default();
+    let step = f64::from(time.whole());
+    structures.begin_step(step, &broken.of_step);
+    let scene = Scene {
+        settings: &settings,
+        sleep: &sleep,
+        table: &table,
+        islands: &islands,
+        contacts: &contacts,
+        down: gravity.0.normalize_or_zero(),
+        step: time.whole(),
+    };
+    let mut found = Found::default();
     for of in &mut watched {
-        let Some(watch) = of.watch() else {
-            continue;
-        };
+        if let Some(watch) = of.watch() {
+            found.look(&scene, structures, watch, of);
+        }
+    }
+    structures.end(&settings, &table, &watched, &mut ended);
+    structures.forget(settings.memory);
+    let fallen = structures.fall(&table, &mut found, &mut watched, &mut begun);
+    structures.settle(&scene, found, &fallen, &mut watched);
+}
+
+/// Bodies that the user has placed stand no more. This happens before the first substep.
+fn forget_placed(table: &BodyTable, watched: &mut Watched) {
+    let put = |index: &BodyIndex| {
+        table
+            .get(index.0)
+            .is_some_and(|body| body.put_from.is_some())
+    };
+    for mut of in watched {
+        if of.watch().is_some() && put(of.index) {
+            of.stands.leave();
+        }
+    }
+}
+
+/// What watched bodies are compared with.
+struct Scene<'a, 'w, 's> {
+    settings: &'a CollapseSettings,
+    sleep: &'a SleepSettings,
+    table: &'a BodyTable,
+    islands: &'a Islands,
+    contacts: &'a Contacts<'w, 's>,
+    /// The direction of gravity.
+    down: Vec3,
+    /// Length of the step, s.
+    step: f32,
+}
+
+/// What a step finds of watched bodies.
+#[derive(Default)]
+struct Found {
+    /// By structure: who has gone farthest beyond what counts, of those that do so in this step.
+    gone: HashMap<u64, (f32, SpawnOrder, Entity, FailureMode)>,
+    /// By structure: where all of those stood.
+    left: HashMap<u64, Vec<(Entity, Pose)>>,
+    /// Bodies that stand from now on: their island, entity, slot and pose.
+    settled: Vec<(u32, Entity, u32, Pose)>,
+    /// By island: the structure.
+    known: HashMap<u32, u64>,
+}
+
+impl Found {
+    /// Looks at a body.
+    fn look(
+        &mut self,
+        scene: &Scene,
+        structures: &mut Structures,
+        watch: Watch,
+        of: WatchedBodyItem,
+    ) {
         let WatchedBodyItem {
             entity,
             index,
@@ -353,51 +403,50 @@ pub(crate) fn collapses(
             inactive,
             ..
         } = of;
-        let rests = inactive.is_some();
-        let Some(body) = table.get(index.0).filter(|body| body.entity == entity) else {
-            continue;
+        let body = scene.table.get(index.0);
+        let Some(body) = body.filter(|body| body.entity == entity) else {
+            return;
         };
-        let island = islands.structure_id(index.0);
+        let island = scene.islands.structure_id(index.0);
         let Some((place, structure)) = stands.at else {
             // A body that is held by a `Grab` does not count as standing, even if it is still.
             let still = grab.is_none()
-                && velocity.linear.length() < sleep.linear_speed
-                && velocity.angular.length() < sleep.angular_speed;
+                && velocity.linear.length() < scene.sleep.linear_speed
+                && velocity.angular.length() < scene.sleep.angular_speed;
             stands.still_for = if still {
-                stands.still_for + time.whole()
+                stands.still_for + scene.step
             } else {
                 0.0
             };
-            if (rests || stands.still_for >= settings.still_for)
+            if (inactive.is_some() || stands.still_for >= scene.settings.still_for)
                 && let Some(island) = island
             {
-                settled.push((island, entity, index.0, *pose));
+                self.settled.push((island, entity, index.0, *pose));
             }
-            continue;
+            return;
         };
         if let Some(island) = island {
-            let id = known.entry(island).or_insert(structure);
+            let id = self.known.entry(island).or_insert(structure);
             *id = structure.min(*id);
         }
-        let went = pose.position - place.position;
-        let turned = pose.rotation.angle_between(place.rotation) * body.radius;
-        let held = grab.is_some() || force.is_some_and(|force| *force != ExternalForce::default());
-        let crushed = !stands.crushed
-            && watch.strength.is_finite()
-            && contacts
-                .on(entity)
-                .is_ok_and(|faces| faces.iter().any(|face| face.normal_force > watch.strength));
-        if !has_left(place, *pose, body.radius, &settings) && !crushed {
-            continue;
+        let crushed = !stands.crushed && scene.crushes(entity, watch);
+        if !has_left(place, *pose, body.radius, scene.settings) && !crushed {
+            return;
         }
         stands.crushed |= crushed;
         stands.leave();
-        left.entry(structure).or_default().push((entity, place));
+        self.left
+            .entry(structure)
+            .or_default()
+            .push((entity, place));
+        let held = grab.is_some() || force.is_some_and(|force| *force != ExternalForce::default());
+        let went = pose.position - place.position;
+        let turned = pose.rotation.angle_between(place.rotation) * body.radius;
         let how = match () {
             () if crushed => FailureMode::Crushed,
             () if held => FailureMode::Pulled,
             () if turned > went.length() => FailureMode::Tipped,
-            () if went.dot(down) > 0.7 * went.length() => FailureMode::Fell,
+            () if went.dot(scene.down) > 0.7 * went.length() => FailureMode::Fell,
             () => FailureMode::Slid,
         };
         if held && !crushed {
@@ -408,26 +457,61 @@ pub(crate) fn collapses(
                 when: structures.now,
             };
             structures.pulled.entry(structure).or_insert(pulled);
-        } else {
-            let far = (went.length() + turned) / body.radius;
-            let before = gone
-                .entry(structure)
-                .or_insert((far, body.spawn_order, entity, how));
-            if far > before.0 || far == before.0 && body.spawn_order < before.1 {
-                *before = (far, body.spawn_order, entity, how);
-            }
+            return;
+        }
+        let far = (went.length() + turned) / body.radius;
+        let before = self
+            .gone
+            .entry(structure)
+            .or_insert((far, body.spawn_order, entity, how));
+        if far > before.0 || far == before.0 && body.spawn_order < before.1 {
+            *before = (far, body.spawn_order, entity, how);
         }
     }
-    structures.end(&settings, &table, &watched, &mut ended);
-    let since = structures.now - f64::from(settings.memory);
-    structures.pulled.retain(|_, pulled| pulled.when > since);
-    structures.broken.retain(|&(when, _)| when > since);
-    let mut told: Vec<_> = gone.into_iter().collect();
-    sort::by_key(&mut told, |(structure, _)| *structure);
-    let fallen: HashSet<u64> = told.iter().map(|(structure, _)| *structure).collect();
-    if !told.is_empty() {
+}
+
+impl Scene<'_, '_, '_> {
+    /// Whether some face presses on a body with more than its strength.
+    fn crushes(&self, body: Entity, watch: Watch) -> bool {
+        let above = |faces: Vec<FaceForce>| {
+            let mut faces = faces.iter();
+            faces.any(|face| face.normal_force > watch.strength)
+        };
+        watch.strength.is_finite() && self.contacts.on(body).is_ok_and(above)
+    }
+}
+
+impl Structures {
+    /// A step of this length, s, has ended, in which this mortar broke.
+    fn begin_step(&mut self, step: f64, broken: &[MortarBroke]) {
+        self.now += step;
+        let now = self.now;
+        self.broken.extend(broken.iter().map(|broke| (now, *broke)));
+    }
+
+    /// Forgets what happened longer ago than this, s.
+    fn forget(&mut self, memory: f32) {
+        let since = self.now - f64::from(memory);
+        self.pulled.retain(|_, pulled| pulled.when > since);
+        self.broken.retain(|&(when, _)| when > since);
+    }
+
+    /// Reports the structures of which a body has gone, and returns them. None of their bodies stands any more.
+    fn fall(
+        &mut self,
+        table: &BodyTable,
+        found: &mut Found,
+        watched: &mut Watched,
+        begun: &mut MessageWriter<Collapse>,
+    ) -> HashSet<u64> {
+        let mut told: Vec<_> = found.gone.drain().collect();
+        sort::by_key(&mut told, |(structure, _)| *structure);
+        let fallen: HashSet<u64> = told.iter().map(|(structure, _)| *structure).collect();
+        if told.is_empty() {
+            return fallen;
+        }
         let mut rest: HashMap<u64, Vec<(Entity, Pose)>> = HashMap::default();
-        for of in &mut watched {
+        for of in &mut *watched {
             let (entity, mut stands) = (of.entity, of.stands);
             if let Some((place, structure)) = stands.at.filter(|(_, of)| fallen.contains(of)) {
                 rest.entry(structure).or_default().push((entity, place));
@@ -435,9 +519,9 @@ pub(crate) fn collapses(
             }
         }
         for (structure, (.., first, how)) in told {
-            let mut bodies = left.remove(&structure).unwrap_or_default();
+            let mut bodies = found.left.remove(&structure).unwrap_or_default();
             let (mut first, mut how) = (first, how);
-            if let Some(pulled) = structures.pulled.remove(&structure) {
+            if let Some(pulled) = self.pulled.remove(&structure) {
                 (first, how) = (pulled.body, pulled.how);
                 if !bodies.iter().any(|(body, _)| *body == first) {
                     bodies.push((first, pulled.stood));
@@ -449,7 +533,7 @@ pub(crate) fn collapses(
                 let mut bodies = bodies.iter();
                 bodies.any(|(body, _)| [broke.body, broke.other].contains(body))
             };
-            let mut broken = structures.broken.iter();
+            let mut broken = self.broken.iter();
             begun.write(Collapse {
                 first,
                 how,
@@ -458,11 +542,11 @@ pub(crate) fn collapses(
                     .map(|&(_, broke)| broke),
                 rest: rest.into_iter().map(|(body, _)| body).collect(),
                 bodies: bodies.len(),
-                mass: mass(&table, &watched, bodies.iter().map(|(body, _)| *body)),
+                mass: mass(table, watched, bodies.iter().map(|(body, _)| *body)),
             });
             // Inactive bodies still stand, as another structure, because they do not move until something else happens.
-            structures.last += 1;
-            let anew = structures.last;
+            self.last += 1;
+            let anew = self.last;
             for &(body, place) in &bodies {
                 if let Ok(mut of) = watched.get_mut(body)
                     && of.inactive.is_some()
@@ -470,34 +554,52 @@ pub(crate) fn collapses(
                     of.stands.at = Some((place, anew));
                 }
             }
-            structures.falling.push(Falling {
+            self.falling.push(Falling {
                 first,
                 how,
-                since: structures.now,
+                since: self.now,
                 bodies,
             });
         }
+        fallen
     }
-    sort::by_key(&mut settled, |(island, ..)| *island);
-    for (island, entity, slot, pose) in settled {
-        let structure = known.get(&island).copied().unwrap_or_else(|| {
-            let others = islands.structure(slot).iter();
-            let stands =
-                others.filter_map(|&slot| watched.get(table.get(slot)?.entity).ok()?.stands.at);
-            stands
-                .map(|(_, structure)| structure)
-                .min()
-                .unwrap_or_else(|| {
-                    structures.last += 1;
-                    structures.last
-                })
-        });
-        known.insert(island, structure);
-        if fallen.contains(&structure) {
-            continue;
-        }
-        if let Ok(mut of) = watched.get_mut(entity) {
-            of.stands.at = Some((pose, structure));
+
+    /// Adds the bodies that stand from now on to their structures, unless these fall.
+    fn settle(
+        &mut self,
+        scene: &Scene,
+        found: Found,
+        fallen: &HashSet<u64>,
+        watched: &mut Watched,
+    ) {
+        let Found {
+            mut settled,
+            mut known,
+            ..
+        } = found;
+        sort::by_key(&mut settled, |(island, ..)| *island);
+        for (island, entity, slot, pose) in settled {
+            let structure = known.get(&island).copied().unwrap_or_else(|| {
+                let others = scene.islands.structure(slot).iter();
+                let stands = others.filter_map(|&slot| {
+                    let body = scene.table.get(slot)?.entity;
+                    watched.get(body).ok()?.stands.at
+                });
+                stands
+                    .map(|(_, structure)| structure)
+                    .min()
+                    .unwrap_or_else(|| {
+                        self.last += 1;
+                        self.last
+                    })
+            });
+            known.insert(island, structure);
+            if fallen.contains(&structure) {
+                continue;
+            }
+            if let Ok(mut of) = watched.get_mut(entity) {
+                of.stands.at = Some((pose, structure));
+            }
         }
     }
 }

@@ -336,138 +336,166 @@ pub fn broadphase(
     gravity: Res<Gravity>,
     settings: Res<StabilizationSettings>,
 ) {
-    let Broadphase {
-        tree,
-        workspace,
-        fat,
-        unbounded,
-        found,
-        waiting,
-        has_workspace,
-        changed_boxes,
-        escaped_aabb: _,
-        room,
-    } = &mut *broadphase;
-    let Found {
-        disturbed,
-        overlaps,
-        removed,
-    } = found;
-    fat.resize(table.slots(), None);
-    room.resize(table.slots(), 0.0);
-    for slot in table.removed.drain(..) {
-        tree.remove(slot);
-        fat[slot as usize] = None;
-        unbounded.retain(|u| *u != slot);
-        removed.push(slot);
-        disturbed.push(slot);
-    }
-
-    let mut moved = Vec::new();
-    for (slot, body) in table.active() {
-        let resting = (body.asleep || !body.is_dynamic()) && body.velocity == Default::default();
-        if resting && !body.moved && !body.renewed {
-            continue;
-        }
-        let Some(collider) = &body.collider else {
-            // Its collider may have been removed in this step.
-            if body.renewed {
-                unbounded.retain(|u| *u != slot);
-                fat[slot as usize] = None;
-                tree.remove(slot);
-                disturbed.push(slot);
-            }
-            continue;
-        };
-        if !body.radius.is_finite() {
-            if !unbounded.contains(&slot) {
-                unbounded.push(slot);
-            }
-            // It may have been a shape with a box before.
-            if fat[slot as usize].take().is_some() {
-                tree.remove(slot);
-            }
-            if body.moved || body.renewed {
-                moved.push(slot);
-            }
-            continue;
-        }
-        if body.renewed {
-            unbounded.retain(|u| *u != slot);
-        }
-        let reach = reach(body, &settings, gravity.0, time.dt);
-        let (entry, room) = (&mut fat[slot as usize], &mut room[slot as usize]);
-        if !body.moved && !body.renewed && reach < *room {
-            continue;
-        }
-        let shape = shape_box(body, collider);
-        let tight = shape.loosened(reach);
-        let around = match *entry {
-            Some(fat) if !body.renewed && fat.contains(&tight) => fat,
-            _ => {
-                moved.push(slot);
-                fat_box(&tight, body.velocity.linear * time.dt)
-            }
-        };
-        *entry = Some(around);
-        *room = room_around(&shape, &around);
-    }
-    disturbed.extend(&moved);
+    let broadphase = &mut *broadphase;
+    broadphase.remove_bodies(&mut table);
+    let margin = |body: &BodyState| reach(body, &settings, gravity.0, time.dt);
+    let moved = broadphase.find_moved(&table, time.dt, margin);
+    broadphase.found.disturbed.extend(&moved);
     let is_moved: FixedBitSet = moved.iter().map(|&slot| slot as usize).collect();
     // The overlaps of bodies that moved are found anew; other bodies may be gone.
+    let fat = &broadphase.fat;
     let stays = |&slot: &u32| !is_moved[slot as usize] && fat[slot as usize].is_some();
-    waiting.retain(|pair| pair.iter().all(stays));
+    broadphase.waiting.retain(|pair| pair.iter().all(stays));
     if moved.is_empty() {
         // It is as large as the tree.
-        if std::mem::take(has_workspace) {
-            *workspace = BvhWorkspace::default();
+        if std::mem::take(&mut broadphase.has_workspace) {
+            broadphase.workspace = BvhWorkspace::default();
         }
         return;
     }
-    let leaves = tree.leaf_count() as usize;
-    let in_place = leaves < LARGE_TREE || moved.len() * REFIT_SHARE >= leaves;
-    for &slot in &moved {
-        let Some(fat) = fat[slot as usize] else {
-            continue;
-        };
-        if !in_place {
-            tree.remove(slot);
+    broadphase.update_tree(&moved);
+    broadphase.find_overlaps(&table, &moved, &is_moved);
+}
+
+impl Broadphase {
+    /// Removes the boxes of bodies that were removed from the table.
+    fn remove_bodies(&mut self, table: &mut BodyTable) {
+        self.fat.resize(table.slots(), None);
+        self.room.resize(table.slots(), 0.0);
+        for slot in table.removed.drain(..) {
+            self.tree.remove(slot);
+            self.fat[slot as usize] = None;
+            self.unbounded.retain(|u| *u != slot);
+            self.found.removed.push(slot);
+            self.found.disturbed.push(slot);
         }
-        tree.insert(fat, slot);
-    }
-    if in_place {
-        *changed_boxes += moved.len();
-    }
-    if *changed_boxes * REFIT_SHARE >= tree.leaf_count() as usize {
-        *changed_boxes = 0;
-        *has_workspace = true;
-        tree.refit(workspace);
-        tree.optimize_incremental(workspace);
     }
 
-    // An overlap of two bodies that moved is found from the one with the lower slot.
-    let mut consider = |a: u32, b: u32| {
-        if a < b || !is_moved[b as usize] {
-            overlaps.extend(pair_of(&table, a, b));
+    /// Finds the bodies that have left their boxes or have other shapes, and gives them new boxes. `margin` is the distance within which a
+    /// body may touch another in the step, m.
+    fn find_moved(
+        &mut self,
+        table: &BodyTable,
+        dt: f32,
+        margin: impl Fn(&BodyState) -> f32,
+    ) -> Vec<u32> {
+        let Self {
+            tree,
+            fat,
+            unbounded,
+            found,
+            room,
+            ..
+        } = self;
+        let mut moved = Vec::new();
+        for (slot, body) in table.active() {
+            let resting =
+                (body.asleep || !body.is_dynamic()) && body.velocity == Default::default();
+            if resting && !body.moved && !body.renewed {
+                continue;
+            }
+            let Some(collider) = &body.collider else {
+                // Its collider may have been removed in this step.
+                if body.renewed {
+                    unbounded.retain(|u| *u != slot);
+                    fat[slot as usize] = None;
+                    tree.remove(slot);
+                    found.disturbed.push(slot);
+                }
+                continue;
+            };
+            if !body.radius.is_finite() {
+                if !unbounded.contains(&slot) {
+                    unbounded.push(slot);
+                }
+                // It may have been a shape with a box before.
+                if fat[slot as usize].take().is_some() {
+                    tree.remove(slot);
+                }
+                if body.moved || body.renewed {
+                    moved.push(slot);
+                }
+                continue;
+            }
+            if body.renewed {
+                unbounded.retain(|u| *u != slot);
+            }
+            let reach = margin(body);
+            let (entry, room) = (&mut fat[slot as usize], &mut room[slot as usize]);
+            if !body.moved && !body.renewed && reach < *room {
+                continue;
+            }
+            let shape = shape_box(body, collider);
+            let tight = shape.loosened(reach);
+            let around = match *entry {
+                Some(fat) if !body.renewed && fat.contains(&tight) => fat,
+                _ => {
+                    moved.push(slot);
+                    fat_box(&tight, body.velocity.linear * dt)
+                }
+            };
+            *entry = Some(around);
+            *room = room_around(&shape, &around);
         }
-    };
-    for &slot in &moved {
-        match &fat[slot as usize] {
-            Some(fat) => {
-                tree.intersect_aabb(fat)
-                    .for_each(|other| consider(slot, other));
-                for &plane in unbounded.iter() {
-                    if table.get(plane).is_some_and(|p| below(p, fat)) {
-                        consider(slot, plane);
+        moved
+    }
+
+    /// Puts the new boxes of bodies into the tree.
+    fn update_tree(&mut self, moved: &[u32]) {
+        let leaves = self.tree.leaf_count() as usize;
+        let in_place = leaves < LARGE_TREE || moved.len() * REFIT_SHARE >= leaves;
+        for &slot in moved {
+            let Some(fat) = self.fat[slot as usize] else {
+                continue;
+            };
+            if !in_place {
+                self.tree.remove(slot);
+            }
+            self.tree.insert(fat, slot);
+        }
+        if in_place {
+            self.changed_boxes += moved.len();
+        }
+        if self.changed_boxes * REFIT_SHARE >= self.tree.leaf_count() as usize {
+            self.changed_boxes = 0;
+            self.has_workspace = true;
+            self.tree.refit(&mut self.workspace);
+            self.tree.optimize_incremental(&mut self.workspace);
+        }
+    }
+
+    /// Finds the overlaps of bodies that moved. That of two bodies that both moved is found from the one with the lower slot.
+    fn find_overlaps(&mut self, table: &BodyTable, moved: &[u32], is_moved: &FixedBitSet) {
+        let Self {
+            tree,
+            fat,
+            unbounded,
+            found,
+            ..
+        } = self;
+        let mut consider = |a: u32, b: u32| {
+            if a < b || !is_moved[b as usize] {
+                found.overlaps.extend(pair_of(table, a, b));
+            }
+        };
+        for &slot in moved {
+            match &fat[slot as usize] {
+                Some(fat) => {
+                    tree.intersect_aabb(fat)
+                        .for_each(|other| consider(slot, other));
+                    for &plane in unbounded.iter() {
+                        if table.get(plane).is_some_and(|p| below(p, fat)) {
+                            consider(slot, plane);
+                        }
                     }
                 }
-            }
-            // A half-space.
-            None => {
-                let plane = table.get(slot).expect("only live bodies move");
-                for (other, fat) in fat.iter().enumerate() {
-                    if fat.as_ref().is_some_and(|fat| below(plane, fat)) {
-                        consider(slot, other as u32);
+                // A half-space.
+                None => {
+                    let plane = table.get(slot).expect("only live bodies move");
+                    for (other, fat) in fat.iter().enumerate() {
+                        if fat.as_ref().is_some_and(|fat| below(plane, fat)) {
+                            consider(slot, other as u32);
+                        }
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use super::ground::Carried;
 use super::{Character, CharacterState};
-use crate::body::{Forces, Pose, RigidBody, SpawnOrder};
+use crate::body::{BodyState, Forces, Pose, RigidBody, SpawnOrder, collider::Collider};
 use crate::diagnosis::ReportedProblems;
 use crate::query::{CharacterHit, Ground, QueryError, QueryFilter, SpatialQuery};
 use crate::settings::{Gravity, StepTime};
@@ -111,48 +111,28 @@ impl Character {
         entity: Entity,
         mut state: CharacterState,
         from: Pose,
-        Frame { gravity, dt }: Frame,
+        frame: Frame,
     ) -> Result<Advanced, String> {
-        /// Faster than this upwards from its ground it does not stand where nothing pulls it down, m/s.
-        const RISING_SPEED: f32 = 1e-3;
         let Some(body) = world.state(entity) else {
             return Ok(None);
         };
         let (RigidBody::Kinematic, Some(shape)) = (body.kind, &body.collider) else {
             return Err("it is no kinematic body with a collider".into());
         };
-        let numbers = [self.jump, self.gravity_scale, self.push];
-        let finite = numbers.into_iter().all(f32::is_finite);
-        if !(finite && self.walk.is_finite() && state.fall.is_finite()) {
+        if !(self.is_finite() && state.fall.is_finite()) {
             return Err("one of its numbers is not finite".into());
         }
         let failed = |error: QueryError| error.to_string();
         let rules = &self.rules;
         let up = *rules.up;
+        let Frame { gravity, dt } = frame;
         let gravity = gravity * self.gravity_scale;
+        let pull = -gravity.dot(up);
         let layers = body.properties.layers;
 
-        // With its ground.
-        let mut carried = state.carried(world, from.position, dt);
-        let mut start = from;
-        if let Some(by) = &carried
-            && state.leaves(
-                up,
-                by.velocity.dot(up),
-                -gravity.dot(up),
-                rules.snap_distance,
-                dt,
-            )
-        {
-            carried = None;
-        }
-        if let Some(by) = &carried {
-            let own = [entity, by.ground];
-            let others = QueryFilter::default().excluding(&own).with_layers(layers);
-            let way = by.velocity * dt;
-            start.position = (world.carry(shape, from, way, rules, &others)).map_err(failed)?;
-            start.rotation = (about(by.turn, up) * from.rotation).normalize();
-        }
+        let (start, carried) = self
+            .carry(world, (body, shape), &mut state, from, (pull, dt))
+            .map_err(failed)?;
 
         // By itself.
         let takes_off = self.jump > 0.0 || state.fall != Vec3::ZERO;
@@ -181,36 +161,18 @@ impl Character {
         let way = (own + state.fall) * dt;
         let slide = (world.go(shape, start, way, stands, rules, &filter)).map_err(failed)?;
 
-        // It keeps the velocity of what it took off from. What it ran into takes the part of its velocity that led there.
         let kept = carried.as_ref().filter(|_| !self.climbs);
         let kept = kept.map_or(Vec3::ZERO, Carried::surface);
-        let mut fall = match stands {
-            true => Vec3::ZERO,
-            false => state.fall + kept,
-        };
         let mut ground = slide.ground.filter(|_| !self.climbs);
         if stands {
             // Over an edge.
-            fall = kept;
+            state.fall = kept;
         } else {
-            // It lands on what it comes down on. What falls with it is no ground.
-            let pull = -gravity.dot(up);
-            let most = match pull > 0.0 {
-                true => -0.5 * pull * dt,
-                false => RISING_SPEED,
-            };
-            let fell = fall;
-            let lands = |ground: &Ground| {
-                let rises = fell - world.went(ground.entity, ground.point);
-                rises.dot(up) < most
-            };
-            ground = ground.filter(lands);
-            for hit in &slide.hits {
-                let into = fall - world.went(hit.entity, hit.point);
-                fall -= hit.normal * into.dot(hit.normal).min(0.0);
-            }
+            // It keeps the velocity of what it took off from.
+            state.fall += kept;
+            ground = ground.filter(|ground| state.lands(world, ground, up, (pull, dt)));
+            state.hit(world, &slide.hits);
         }
-        state.fall = fall;
         let to = Pose {
             position: slide.position,
             ..start
@@ -218,6 +180,69 @@ impl Character {
         state.velocity = (to.position - from.position) / dt;
         state.stand_on(ground, carried.filter(|_| stands), world, dt);
         Ok(Some((state, to, slide.hits)))
+    }
+}
+
+impl Character {
+    fn is_finite(&self) -> bool {
+        let numbers = [self.jump, self.gravity_scale, self.push];
+        numbers.into_iter().all(f32::is_finite) && self.walk.is_finite()
+    }
+
+    /// Moves a character with its ground, in a step of `dt` s in which gravity pulls it down at `pull`, m/s². Returns where it is then, and
+    /// how its ground carries it, unless it leaves its ground.
+    fn carry(
+        &self,
+        world: &SpatialQuery,
+        (body, shape): (&BodyState, &Collider),
+        state: &mut CharacterState,
+        from: Pose,
+        (pull, dt): (f32, f32),
+    ) -> Result<(Pose, Option<Carried>), QueryError> {
+        let rules = &self.rules;
+        let up = *rules.up;
+        let carried = state.carried(world, from.position, dt);
+        let carried = carried
+            .filter(|by| !state.leaves(up, by.velocity.dot(up), pull, rules.snap_distance, dt));
+        let mut start = from;
+        if let Some(by) = &carried {
+            let own = [body.entity, by.ground];
+            let layers = body.properties.layers;
+            let others = QueryFilter::default().excluding(&own).with_layers(layers);
+            let way = by.velocity * dt;
+            start.position = world.carry(shape, from, way, rules, &others)?;
+            start.rotation = (about(by.turn, up) * from.rotation).normalize();
+        }
+        Ok((start, carried))
+    }
+}
+
+impl CharacterState {
+    /// Whether a character that falls lands on what it comes down on, in a step of `dt` s in which gravity pulls it down at `pull`, m/s².
+    /// What falls with it is no ground.
+    fn lands(
+        &self,
+        world: &SpatialQuery,
+        ground: &Ground,
+        up: Vec3,
+        (pull, dt): (f32, f32),
+    ) -> bool {
+        /// Faster than this upwards from its ground it does not stand where nothing pulls it down, m/s.
+        const RISING_SPEED: f32 = 1e-3;
+        let most = match pull > 0.0 {
+            true => -0.5 * pull * dt,
+            false => RISING_SPEED,
+        };
+        let rises = self.fall - world.went(ground.entity, ground.point);
+        rises.dot(up) < most
+    }
+
+    /// What it ran into takes the part of its velocity that led there.
+    fn hit(&mut self, world: &SpatialQuery, hits: &[CharacterHit]) {
+        for hit in hits {
+            let into = self.fall - world.went(hit.entity, hit.point);
+            self.fall -= hit.normal * into.dot(hit.normal).min(0.0);
+        }
     }
 }
 

@@ -38,6 +38,26 @@ pub struct ContactStarted {
 }
 
 impl ContactStarted {
+    /// The event of a pair, on body A.
+    fn of(
+        table: &BodyTable,
+        (entity, pair): (Entity, &ContactPair),
+        manifold: &Manifold,
+        impulses: &ContactImpulses,
+    ) -> Self {
+        let center = table.get(pair.slots[0]).map_or(Vec3::ZERO, |a| a.center);
+        let Hit { point, normal } = Hit::of(center, manifold, impulses);
+        Self {
+            body: pair.bodies[0],
+            other: pair.bodies[1],
+            colliders: pair.colliders(manifold.main_parts(impulses), table),
+            pair: entity,
+            impulse: impulses.normal(),
+            point,
+            normal,
+        }
+    }
+
     /// The same for the other body.
     fn swapped(self) -> Self {
         let [own, others] = self.colliders;
@@ -145,39 +165,13 @@ pub fn contact_events(
     };
     let table = &*table;
     let event = |entity, pair: &ContactPair, manifold: &Manifold, impulses: &ContactImpulses| {
-        let center = table.get(pair.slots[0]).map_or(Vec3::ZERO, |a| a.center);
-        let Hit { point, normal } = Hit::of(center, manifold, impulses);
-        ContactStarted {
-            body: pair.bodies[0],
-            other: pair.bodies[1],
-            colliders: pair.colliders(manifold.main_parts(impulses), table),
-            pair: entity,
-            impulse: impulses.normal(),
-            point,
-            normal,
-        }
+        ContactStarted::of(table, (entity, pair), manifold, impulses)
     };
-    let mut known = Vec::new();
-    for &slot in &listening {
-        for pair in graph.edges_of_kind(slot, EdgeKind::Contact) {
-            if let Ok((entity, (pair, _, manifold, impulses, ..))) = pairs.get(pair)
-                && pair.announced()
-            {
-                let found = event(entity, pair, manifold, impulses);
-                let is_first = pair.slots[0] == slot;
-                known.push((
-                    pair.spawn_orders,
-                    if is_first { found } else { found.swapped() },
-                ));
-            }
-        }
-    }
-    sort::by_key(&mut known, |&(spawn_orders, _)| spawn_orders);
+    let known = announced(table, &graph, &pairs, &listening);
     let begins_to_listen = |body: Entity| {
         let mut slots = listening.iter();
         slots.any(|&slot| table.get(slot).is_some_and(|state| state.entity == body))
     };
-    let known = known.into_iter().map(|(_, event)| event);
     untriggered.started.extend(known);
     let mut begins = Vec::new();
     let mut ends = std::mem::take(&mut removed.0);
@@ -225,6 +219,32 @@ pub fn contact_events(
             }
         }
     }
+}
+
+/// The contacts that were announced before these bodies began to listen, in order.
+fn announced(
+    table: &BodyTable,
+    graph: &ConstraintGraph,
+    pairs: &PairsMut,
+    listening: &[u32],
+) -> impl Iterator<Item = ContactStarted> {
+    let mut known = Vec::new();
+    for &slot in listening {
+        for pair in graph.edges_of_kind(slot, EdgeKind::Contact) {
+            if let Ok((entity, (pair, _, manifold, impulses, ..))) = pairs.get(pair)
+                && pair.announced()
+            {
+                let found = ContactStarted::of(table, (entity, pair), manifold, impulses);
+                let is_first = pair.slots[0] == slot;
+                known.push((
+                    pair.spawn_orders,
+                    if is_first { found } else { found.swapped() },
+                ));
+            }
+        }
+    }
+    sort::by_key(&mut known, |&(spawn_orders, _)| spawn_orders);
+    known.into_iter().map(|(_, event)| event)
 }
 
 /// Runs the observers. This happens outside the schedule, because observers need the whole world.

@@ -188,7 +188,7 @@ fn look(
     (manifold, impulses, anchors, targets): Kept,
 ) -> Option<bool> {
     let time = rules.time;
-    let Reach { outer, fall, .. } = rules.reach;
+    let outer = rules.reach.outer;
     let restored = pair.state == PairState::Restored;
     if (a.renewed || b.renewed) && !restored {
         pair.combine([a, b]);
@@ -241,48 +241,8 @@ fn look(
         }
     } else {
         pair.revision = rules.revision;
-        let reach = reach + limit;
-        let old = std::mem::take(manifold);
-        manifold.between = a.center - b.center;
-        let apart = detect::detect(rules, a, b, reach, cache, &old, manifold);
-        meeting::find(rules, [a, b], (apart, reach), manifold);
-        let lost = match manifold.points.is_empty() && last.is_known() {
-            true => since.lost(&old, cache, little),
-            false => None,
-        };
-        if let Some(lost) = lost {
-            *manifold = lost;
-        } else {
-            // The cast ignores rotation, which alone may bring the end of a rod near.
-            let turns = match a.is_slender() || b.is_slender() {
-                true => a.swept_margin + b.swept_margin,
-                false => 0.0,
-            };
-            let near = outer + fall * time.dt + turns;
-            if let Some(around) = &rules.around {
-                around.remove_ghosts(pair.slots, [a, b], (outer, time.dt), manifold);
-            }
-            let passing =
-                !manifold.points.is_empty() && passing::pass(a, b, manifold, near, time.dt);
-            if passing {
-                *manifold = Manifold::default();
-                cache.forget();
-            }
-            meeting::look_ahead(rules, [a, b], pair.slots, (reach, cache.axis), manifold);
-            // A rolling point matches wherever it has rolled to.
-            let radius = match curved {
-                true => f32::INFINITY,
-                false => rules.manifolds.match_radius,
-            };
-            let turns = last.turns([a, b]);
-            let origins = matching::match_points(&old, manifold, turns, radius);
-            let of_patches = matching::match_patches(&old, manifold);
-            reorder(&origins, &of_patches, impulses, anchors, targets);
-            cache.last_pose.take(a, b);
-            if limit > 0.0 && !passing {
-                (cache.last_pose.reach, cache.last_pose.apart) = (reach, apart);
-            }
-        }
+        let kept = (&mut *manifold, &mut *impulses, &mut *anchors, &mut *targets);
+        detect_anew(rules, [a, b], pair.slots, (reach, limit), cache, kept);
     }
     let touched = pair.touching;
     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
@@ -294,6 +254,62 @@ fn look(
     };
     let changed = manifold.points.is_empty() == had_points || parted || restored;
     changed.then_some(parted)
+}
+
+/// Detects the contacts of a pair anew, and moves what is kept of the old points to the new ones. `reach` is the distance up to which
+/// contacts are searched, and `limit` the motion within which they are kept, m.
+fn detect_anew(
+    rules: &Rules,
+    [a, b]: [&BodyState; 2],
+    slots: [u32; 2],
+    (reach, limit): (f32, f32),
+    cache: &mut NarrowphaseCache,
+    (manifold, impulses, anchors, targets): Kept,
+) {
+    let Reach {
+        outer, fall, dt, ..
+    } = rules.reach;
+    let last = cache.last_pose;
+    let reach = reach + limit;
+    let old = std::mem::take(manifold);
+    manifold.between = a.center - b.center;
+    let apart = detect::detect(rules, a, b, reach, cache, &old, manifold);
+    meeting::find(rules, [a, b], (apart, reach), manifold);
+    if manifold.points.is_empty() && last.is_known() {
+        let little = rules.reach.little(a, b);
+        if let Some(lost) = last.since(a, b).lost(&old, cache, little) {
+            *manifold = lost;
+            return;
+        }
+    }
+    // The cast ignores rotation, which alone may bring the end of a rod near.
+    let turns = match a.is_slender() || b.is_slender() {
+        true => a.swept_margin + b.swept_margin,
+        false => 0.0,
+    };
+    let near = outer + fall * dt + turns;
+    if let Some(around) = &rules.around {
+        around.remove_ghosts(slots, [a, b], (outer, dt), manifold);
+    }
+    let passing = !manifold.points.is_empty() && passing::pass(a, b, manifold, near, dt);
+    if passing {
+        *manifold = Manifold::default();
+        cache.forget();
+    }
+    meeting::look_ahead(rules, [a, b], slots, (reach, cache.axis), manifold);
+    // A rolling point matches wherever it has rolled to.
+    let radius = match a.is_curved() || b.is_curved() {
+        true => f32::INFINITY,
+        false => rules.manifolds.match_radius,
+    };
+    let turns = last.turns([a, b]);
+    let origins = matching::match_points(&old, manifold, turns, radius);
+    let of_patches = matching::match_patches(&old, manifold);
+    reorder(&origins, &of_patches, impulses, anchors, targets);
+    cache.last_pose.take(a, b);
+    if limit > 0.0 && !passing {
+        (cache.last_pose.reach, cache.last_pose.apart) = (reach, apart);
+    }
 }
 
 /// Whether nothing about the contacts of this body can have changed.

@@ -6,7 +6,7 @@ use super::dispatcher::Dispatcher;
 use super::polyhedra::FeatureId;
 use super::{reduction, rolling};
 use crate::body::{BodyState, collider::is_surface};
-use crate::pair::{Manifold, NarrowphaseCache, ParryCache, PatchParts};
+use crate::pair::{Manifold, NarrowphaseCache, ParryCache, ParryManifold, PatchParts};
 use glam::Vec3;
 use parry3d::query::{PersistentQueryDispatcher, TrackedContact};
 use parry3d::shape::{PackedFeatureId, Shape, TypedShape};
@@ -55,12 +55,47 @@ pub(super) fn detect(
         // Parry has no contacts between two surfaces without volume, such as two meshes.
         manifolds.clear();
     }
+    let faces = faces([a, b], [shape_a, shape_b], manifolds, reach);
+    for face in faces {
+        let Face {
+            normal,
+            size,
+            mut candidates,
+            parts,
+            ..
+        } = face;
+        merge(&mut candidates, MERGE_DISTANCE * size);
+        // A round side touches along a line. Points in its middle support nothing, and appear and disappear.
+        if curved && reduction::is_line(&candidates, size) {
+            reduction::keep_ends(&mut candidates);
+        }
+        if candidates.len() > max_points(rules) {
+            reduction::reduce(&mut candidates, normal);
+        }
+        let radius = a.rolling_radius().min(b.rolling_radius());
+        let rolls = curved && rolling::rolls(&candidates, radius, size);
+        let known = manifold.patches.len();
+        push(manifold, [a, b], normal, rolls, candidates);
+        if let Some(patch) = manifold.patches.get_mut(known) {
+            patch.parts = parts;
+        }
+    }
+}
+
+/// The faces in which the manifolds of parry lie, with the points whose distance is at most `reach`, m.
+fn faces(
+    [a, b]: [&BodyState; 2],
+    [shape_a, shape_b]: [&dyn Shape; 2],
+    manifolds: &[ParryManifold],
+    reach: f32,
+) -> SmallVec<[Face; 4]> {
+    let curved = a.is_curved() || b.is_curved();
     // The body that is a surface of adjacent triangles, if any.
     let surface = [shape_a, shape_b]
         .iter()
         .position(|shape| is_surface(*shape));
     let mut faces: SmallVec<[Face; 4]> = SmallVec::new();
-    for found in manifolds.iter() {
+    for found in manifolds {
         let pieces = [found.subshape1, found.subshape2];
         if !BodyState::pieces_collide([a, b], pieces) {
             continue;
@@ -109,30 +144,7 @@ pub(super) fn detect(
             None => faces.push(face),
         }
     }
-    for face in faces {
-        let Face {
-            normal,
-            size,
-            mut candidates,
-            parts,
-            ..
-        } = face;
-        merge(&mut candidates, MERGE_DISTANCE * size);
-        // A round side touches along a line. Points in its middle support nothing, and appear and disappear.
-        if curved && reduction::is_line(&candidates, size) {
-            reduction::keep_ends(&mut candidates);
-        }
-        if candidates.len() > max_points(rules) {
-            reduction::reduce(&mut candidates, normal);
-        }
-        let radius = a.rolling_radius().min(b.rolling_radius());
-        let rolls = curved && rolling::rolls(&candidates, radius, size);
-        let known = manifold.patches.len();
-        push(manifold, [a, b], normal, rolls, candidates);
-        if let Some(patch) = manifold.patches.get_mut(known) {
-            patch.parts = parts;
-        }
-    }
+    faces
 }
 
 /// Normals count as equal if the cosine between them is above this.

@@ -135,14 +135,17 @@ impl Collider {
                 Quat::from_mat3(&axes).normalize()
             }
         };
+        let is_one = |s: &f32| (s - 1.0).abs() <= f32::EPSILON * 4.0;
+        let scaled = match scale.to_array().iter().all(is_one) {
+            true => self.clone(),
+            false => self.stretched(scale)?,
+        };
+        Ok((rotation, scaled))
+    }
+
+    /// The shape after a scale along its axes.
+    fn stretched(&self, scale: Vec3) -> Result<Self, ColliderError> {
         let even = |a: f32, b: f32| (a.abs() - b.abs()).abs() <= EQUAL_DIFFERENCE * a.abs();
-        if scale
-            .to_array()
-            .iter()
-            .all(|s| (s - 1.0).abs() <= f32::EPSILON * 4.0)
-        {
-            return Ok((rotation, self.clone()));
-        }
         let uniform = even(scale.x, scale.y) && even(scale.x, scale.z);
         let size = scale.abs();
         let shape = match self.shape.as_typed_shape() {
@@ -172,17 +175,14 @@ impl Collider {
                     radius: cone.radius * size.x,
                 })
             }
-            TypedShape::HalfSpace(plane) => {
-                let normal = plane.normal / scale;
-                return Ok((rotation, Self::half_space(normal)));
-            }
+            TypedShape::HalfSpace(plane) => return Ok(Self::half_space(plane.normal / scale)),
             TypedShape::HeightField(field) if scale.min_element() > 0.0 => {
                 SharedShape::new(field.clone().scaled(scale))
             }
             TypedShape::HeightField(_) => return Err(ColliderError::InvalidScale),
-            _ => return Ok((rotation, self.hull_of_mapped(Mat3::from_diagonal(scale))?)),
+            _ => return self.hull_of_mapped(Mat3::from_diagonal(scale)),
         };
-        Ok((rotation, shape.into()))
+        Ok(shape.into())
     }
 
     /// The hull of points on the mapped surface of a convex shape; a mapped mesh.

@@ -138,48 +138,81 @@ pub fn prepare(
         visit,
         recount.then(|| bodies.p1()),
     );
-    // Bodies without a spawn order were spawned before the plugins were added. They are sorted by index, because `Entity`'s own order is
-    // the reverse of the order of spawning.
-    sort::by_key(&mut joining, |(spawn_order, entity)| {
-        (
-            *spawn_order,
-            entity.index_u32(),
-            entity.generation().to_bits(),
-        )
-    });
-    let mut moving = bodies.p4();
-    table.reserve(joining.len());
-    for (spawn_order, entity) in joining {
-        let Ok((of, mut index, pose, velocity, _, pushed)) = moving.get_mut(entity) else {
-            continue;
-        };
-        let Ok(description) = described.get_mut(entity) else {
-            continue;
-        };
-        let mut body = BodyState::new(entity, *pose, *velocity);
-        body.visited = visit;
-        body.spawn_order = spawn_order;
-        if spawn_order == SpawnOrder::NONE {
-            body.spawn_order = table.next_spawn_order();
-            let spawn_order = body.spawn_order;
-            commands.queue(move |world: &mut World| {
-                if let Ok(mut body) = world.get_entity_mut(entity) {
-                    body.insert(spawn_order);
-                }
-            });
-        }
-        body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
-        body.set_pushes(pushed.0, pushed.2);
-        match describe(&mut body, description) {
-            Ok(()) => {
-                let gains = gains(&body, pushed, &rules);
-                body.set_velocity(*velocity, gains, rules.time.dt);
-                // A body that is spawned asleep stays asleep; a body that was disabled and enabled again wakes.
-                body.asleep = of.3.asleep && body.is_dynamic();
-                body.disturbed = is_disturbed(&velocity, pushed) || *index != BodyIndex::NONE;
-                *index.bypass_change_detection() = table.insert(body);
+    let join = Joining {
+        commands: &mut commands,
+        table: &mut table,
+        suspects: &mut suspects,
+        rules: &rules,
+        visit,
+    };
+    join.all(joining, bodies.p4(), &mut described);
+}
+
+/// Adds bodies to the table.
+struct Joining<'a, 'w, 's> {
+    commands: &'a mut Commands<'w, 's>,
+    table: &'a mut BodyTable,
+    suspects: &'a mut Suspects,
+    rules: &'a Rules<'a>,
+    visit: u64,
+}
+
+impl Joining<'_, '_, '_> {
+    fn all(
+        self,
+        mut joining: Vec<(SpawnOrder, Entity)>,
+        mut moving: Query<Moving, Simulated>,
+        described: &mut DescribedBodies,
+    ) {
+        let Self {
+            commands,
+            table,
+            suspects,
+            rules,
+            visit,
+        } = self;
+        // Bodies without a spawn order were spawned before the plugins were added. They are sorted by index, because `Entity`'s own order is
+        // the reverse of the order of spawning.
+        sort::by_key(&mut joining, |(spawn_order, entity)| {
+            (
+                *spawn_order,
+                entity.index_u32(),
+                entity.generation().to_bits(),
+            )
+        });
+        table.reserve(joining.len());
+        for (spawn_order, entity) in joining {
+            let Ok((of, mut index, pose, velocity, _, pushed)) = moving.get_mut(entity) else {
+                continue;
+            };
+            let Ok(description) = described.get_mut(entity) else {
+                continue;
+            };
+            let mut body = BodyState::new(entity, *pose, *velocity);
+            body.visited = visit;
+            body.spawn_order = spawn_order;
+            if spawn_order == SpawnOrder::NONE {
+                body.spawn_order = table.next_spawn_order();
+                let spawn_order = body.spawn_order;
+                commands.queue(move |world: &mut World| {
+                    if let Ok(mut body) = world.get_entity_mut(entity) {
+                        body.insert(spawn_order);
+                    }
+                });
             }
-            Err(problem) => suspects.0.push((entity, problem)),
+            body.gravity_scale = pushed.3.map_or(1.0, |scale| scale.0);
+            body.set_pushes(pushed.0, pushed.2);
+            match describe(&mut body, description) {
+                Ok(()) => {
+                    let gains = gains(&body, pushed, rules);
+                    body.set_velocity(*velocity, gains, rules.time.dt);
+                    // A body that is spawned asleep stays asleep; a body that was disabled and enabled again wakes.
+                    body.asleep = of.3.asleep && body.is_dynamic();
+                    body.disturbed = is_disturbed(&velocity, pushed) || *index != BodyIndex::NONE;
+                    *index.bypass_change_detection() = table.insert(body);
+                }
+                Err(problem) => suspects.0.push((entity, problem)),
+            }
         }
     }
 }

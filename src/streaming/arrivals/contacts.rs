@@ -91,36 +91,9 @@ impl<'a> Contacts<'a> {
         let mut sorted: Vec<u32> = group.bodies.to_vec();
         sorted.sort_unstable();
         let place = |slot: u32| sorted.binary_search(&slot).ok();
-        let ends: Vec<[Option<usize>; 2]> = { contacts.iter() }
-            .map(|contact| contact.pair.slots.map(place))
-            .collect();
-        // The linking contacts of each body.
-        let mut firsts = vec![0u32; sorted.len() + 1];
-        let links = || {
-            ends.iter()
-                .zip(contacts)
-                .enumerate()
-                .filter(|(_, (_, of))| of.links)
-        };
-        for (_, (ends, _)) in links() {
-            ends.iter().flatten().for_each(|&end| firsts[end + 1] += 1);
-        }
-        for i in 0..sorted.len() {
-            firsts[i + 1] += firsts[i];
-        }
-        let mut next = firsts.clone();
-        let mut lists = vec![0u32; firsts[sorted.len()] as usize];
-        for (contact, (ends, _)) in links() {
-            for &end in ends.iter().flatten() {
-                lists[next[end] as usize] = contact as u32;
-                next[end] += 1;
-            }
-        }
-        let links_of = |body: usize| &lists[firsts[body] as usize..firsts[body + 1] as usize];
-        let other = |contact: u32, body: usize| {
-            let [a, b] = ends[contact as usize];
-            if a == Some(body) { b } else { a }
-        };
+        let links = Links::new(sorted.len(), contacts, place);
+        let links_of = |body: usize| links.of(body);
+        let other = |contact: u32, body: usize| links.other(contact, body);
         let levels = levels(sorted.len(), links_of, other);
         let mut structures = Vec::new();
         let mut is_found = vec![false; sorted.len()];
@@ -172,6 +145,55 @@ impl<'a> Contacts<'a> {
             });
         }
         structures
+    }
+}
+
+/// The linking contacts of each body of a group.
+struct Links {
+    /// The bodies of each contact, as far as they are of the group.
+    ends: Vec<[Option<usize>; 2]>,
+    /// Where the contacts of each body begin in the list.
+    firsts: Vec<u32>,
+    list: Vec<u32>,
+}
+
+impl Links {
+    fn new(bodies: usize, contacts: &[Contact], place: impl Fn(u32) -> Option<usize>) -> Self {
+        let ends: Vec<[Option<usize>; 2]> = { contacts.iter() }
+            .map(|contact| contact.pair.slots.map(&place))
+            .collect();
+        let links = || {
+            ends.iter()
+                .zip(contacts)
+                .enumerate()
+                .filter(|(_, (_, of))| of.links)
+        };
+        let mut firsts = vec![0u32; bodies + 1];
+        for (_, (ends, _)) in links() {
+            ends.iter().flatten().for_each(|&end| firsts[end + 1] += 1);
+        }
+        for i in 0..bodies {
+            firsts[i + 1] += firsts[i];
+        }
+        let mut next = firsts.clone();
+        let mut list = vec![0u32; firsts[bodies] as usize];
+        for (contact, (ends, _)) in links() {
+            for &end in ends.iter().flatten() {
+                list[next[end] as usize] = contact as u32;
+                next[end] += 1;
+            }
+        }
+        Self { ends, firsts, list }
+    }
+
+    fn of(&self, body: usize) -> &[u32] {
+        &self.list[self.firsts[body] as usize..self.firsts[body + 1] as usize]
+    }
+
+    /// The other body of a contact, if it is of the group.
+    fn other(&self, contact: u32, body: usize) -> Option<usize> {
+        let [a, b] = self.ends[contact as usize];
+        if a == Some(body) { b } else { a }
     }
 }
 

@@ -75,14 +75,8 @@ impl Groups {
                 places.groups.join(a, b);
             }
         }
-        let mut left_out = vec![false; slots.len()];
         let marked = near.iter().flat_map(|near| &near.left_out);
-        for &i in marked {
-            left_out[places.groups.first(i) as usize] = true;
-        }
-        if left_out.contains(&true) {
-            places.spread(pairs(), &mut left_out);
-        }
+        let left_out = places.left_out(slots.len(), marked, pairs());
         let mut groups = Self::default();
         // By index: the number of the group of a body. The first body of a group comes before the others.
         let mut numbers: Vec<Option<u32>> = vec![None; slots.len()];
@@ -212,6 +206,23 @@ impl Places {
         let at = slot.checked_sub(self.first_slot)?;
         let index = self.indices.get(at as usize).copied();
         index.filter(|&index| index != u32::MAX)
+    }
+
+    /// By first body of a group: whether its contacts are left to the stages, because one of its bodies is marked or is near one that is.
+    fn left_out<'a>(
+        &mut self,
+        bodies: usize,
+        marked: impl Iterator<Item = &'a u32>,
+        pairs: impl Iterator<Item = &'a [u32; 2]> + Clone,
+    ) -> Vec<bool> {
+        let mut left_out = vec![false; bodies];
+        for &i in marked {
+            left_out[self.groups.first(i) as usize] = true;
+        }
+        if left_out.contains(&true) {
+            self.spread(pairs, &mut left_out);
+        }
+        left_out
     }
 
     /// Marks all groups that are near a marked one, over static bodies that arrive.

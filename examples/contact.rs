@@ -87,6 +87,9 @@ fn name(feature: FeatureId) -> String {
     }
 }
 
+/// Where pictures are drawn.
+type Area<'a> = DrawingArea<Canvas<'a>, plotters::coord::Shift>;
+
 fn draw(path: &Path, title: &str, views: &[View]) -> Result<(), Box<dyn Error>> {
     let normal = views[0].normal;
     // The longest side of the first face lies.
@@ -141,39 +144,56 @@ fn draw(path: &Path, title: &str, views: &[View]) -> Result<(), Box<dyn Error>> 
         }
     }
     for view in views {
-        for at in &view.polygon {
-            area.draw(&Circle::new(pixel(at), 5, BLACK.stroke_width(1)))?;
-        }
-        let middle = view.polygon.iter().sum::<DVec3>() / view.polygon.len().max(1) as f64;
-        let center = pixel(&middle);
-        for (at, label) in &view.kept {
-            let at = pixel(at);
-            area.draw(&Circle::new(at, 7, BLACK.filled()))?;
-            let wide = 8 * label.chars().count() as i32;
-            // Outwards, or above the only one.
-            let x = if at.0 < center.0 {
-                at.0 - wide - 12
-            } else {
-                at.0 + 14
-            };
-            let y = if at.1 > center.1 {
-                at.1 + 10
-            } else {
-                at.1 - 28
-            };
-            let x = x.clamp(5, SIZE.0 as i32 - wide - 5);
-            area.draw(&Text::new(
-                label.clone(),
-                (x, y),
-                ("sans-serif", 18).into_font(),
-            ))?;
-        }
+        draw_points(&area, view, pixel)?;
     }
     area.draw(&Text::new(
         title.to_owned(),
         (20, 14),
         ("sans-serif", 26).into_font(),
     ))?;
+    draw_key(&area)?;
+    area.present()?;
+    Ok(())
+}
+
+/// The corners of the polygon, and the points that are kept, with their names.
+fn draw_points(
+    area: &Area,
+    view: &View,
+    pixel: impl Fn(&DVec3) -> (i32, i32),
+) -> Result<(), Box<dyn Error>> {
+    for at in &view.polygon {
+        area.draw(&Circle::new(pixel(at), 5, BLACK.stroke_width(1)))?;
+    }
+    let middle = view.polygon.iter().sum::<DVec3>() / view.polygon.len().max(1) as f64;
+    let center = pixel(&middle);
+    for (at, label) in &view.kept {
+        let at = pixel(at);
+        area.draw(&Circle::new(at, 7, BLACK.filled()))?;
+        let wide = 8 * label.chars().count() as i32;
+        // Outwards, or above the only one.
+        let x = if at.0 < center.0 {
+            at.0 - wide - 12
+        } else {
+            at.0 + 14
+        };
+        let y = if at.1 > center.1 {
+            at.1 + 10
+        } else {
+            at.1 - 28
+        };
+        let x = x.clamp(5, SIZE.0 as i32 - wide - 5);
+        area.draw(&Text::new(
+            label.clone(),
+            (x, y),
+            ("sans-serif", 18).into_font(),
+        ))?;
+    }
+    Ok(())
+}
+
+/// What lines and points mean.
+fn draw_key(area: &Area) -> Result<(), Box<dyn Error>> {
     let bottom = SIZE.1 as i32 - 30;
     let key = [
         ("face or edge of A", OF_A, 7, 20),
@@ -203,7 +223,6 @@ fn draw(path: &Path, title: &str, views: &[View]) -> Result<(), Box<dyn Error>> 
         (785, bottom - 10),
         ("sans-serif", 18).into_font(),
     ))?;
-    area.present()?;
     Ok(())
 }
 
@@ -236,10 +255,8 @@ fn voussoir(degrees: f64) -> Polyhedron {
     hull((0..8).map(corner))
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    bring_font()?;
-    let out = Path::new("target/pictures/contact");
-    std::fs::create_dir_all(out)?;
+/// The pictures: name, title and views.
+fn pictures() -> Vec<(&'static str, &'static str, Vec<View>)> {
     let cube = Cuboid::new(Vec3::splat(0.5));
     let brick = Cuboid::new(Vec3::new(0.5, 0.25, 0.25));
     let turned = |angle: f64| {
@@ -267,7 +284,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let standing = Placement::new(DVec3::Y * (0.5 - 2e-4 - lowest), tilt);
     let wedge = voussoir(12.0);
     let joint = DQuat::from_rotation_z(-12.01f64.to_radians()) * DQuat::from_rotation_y(0.004);
-    let pictures = [
+    vec![
         (
             "squares-1",
             "Equal squares, turned by 1°",
@@ -318,8 +335,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             "A joint of an arch, 0.01° open, twisted by 0.004",
             vec![view(&wedge, &wedge, Placement::new(DVec3::ZERO, joint))],
         ),
-    ];
-    for (file, title, views) in pictures {
+    ]
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    bring_font()?;
+    let out = Path::new("target/pictures/contact");
+    std::fs::create_dir_all(out)?;
+    for (file, title, views) in pictures() {
         let path = out.join(format!("{file}.png"));
         draw(&path, title, &views)?;
         println!("{}", path.display());

@@ -48,6 +48,7 @@ use bevy_ecs::query::QueryData;
 use bevy_platform::collections::{HashMap, HashSet};
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
+use glam::Vec3;
 
 /// Sends [`Collapse`] and [`CollapseEnded`]. It is not part of [`DrystonePlugins`](crate::DrystonePlugins).
 #[derive(Debug)]

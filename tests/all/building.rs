@@ -272,6 +272,11 @@ fn what_has_no_room_is_told() {
     let mut wall = Wall::new(Bond::Running);
     wall.openings = vec![opening(1.0, 2.0, 1..3), opening(2.0, 3.0, 2..4)];
     assert_eq!(wall.blocks().unwrap_err(), BadOpening(1));
+}
+
+#[test]
+fn arches_domes_and_corners_that_cannot_be_are_told() {
+    use MasonryError::*;
     let arch = |voussoirs, thickness| Arch {
         voussoirs,
         thickness,

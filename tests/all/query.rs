@@ -212,6 +212,9 @@ fn gap([at, place]: [&parry3d::math::Pose; 2], [one, other]: [&Collider; 2]) -> 
     least.filter(|gap| *gap < 1.0)
 }
 
+/// Bodies as another implementation sees them.
+type Seen = [(Entity, parry3d::math::Pose, Collider)];
+
 fn check(seed: u64) {
     let mut rng = Rng::with_seed(seed);
     let mut lab = world(&mut rng);
@@ -231,104 +234,130 @@ fn check(seed: u64) {
         let most = if rng.bool() { 20.0 * rng.f32() } else { 1e3 };
         let hollow = rng.bool();
         let filter = if hollow { filter.solid(false) } else { filter };
-
-        let ray = Ray::new(from, *way);
-        let hit = |(entity, at, of): &(Entity, parry3d::math::Pose, Collider)| {
-            // If a ray ends inside a box, parry reports that it leaves the box there.
-            let far = if hollow { f32::MAX } else { most };
-            let distance = of.shape().cast_ray(at, &ray, far, !hollow)?;
-            (distance <= most).then_some((*entity, distance))
-        };
-        let expected: Vec<_> = bodies.iter().filter_map(hit).collect();
-        let ray = Ray3d::new(from, way);
-        let (first, all) = ask(&mut lab, |world| {
-            let first = world.cast_ray(ray, most, &filter).unwrap();
-            (first, world.cast_ray_through(ray, most, &filter).unwrap())
-        });
-        assert!(all.is_sorted_by(|a, b| a.distance <= b.distance));
-        for hit in all.iter().chain(&first) {
-            assert!(hit.point.distance(ray.get_point(hit.distance)) <= ROUNDING);
-        }
-        assert_first(first.map(|hit| hit.distance), &expected, "a ray");
-        let all = all.iter().map(|hit| (hit.entity, hit.distance));
-        assert_same(all.collect(), expected, "rays");
-
-        let point = from;
-        let (here, nearest) = ask(&mut lab, |world| {
-            let here = world.bodies_at(point, &filter).unwrap();
-            (here, world.closest_point(point, most, &filter).unwrap())
-        });
-        let contains = |(_, at, of): &&(Entity, _, Collider)| of.shape().contains_point(at, point);
-        let expected = bodies.iter().filter(contains).map(|body| (body.0, 0.0));
-        let here = here.into_iter().map(|entity| (entity, 0.0));
-        assert_same(here.collect(), expected.collect(), "at a point");
-        let distance = |(entity, at, of): &(Entity, _, Collider)| {
-            (*entity, of.shape().distance_to_point(at, point, true))
-        };
-        let mut expected: Vec<_> = bodies.iter().map(distance).collect();
-        expected.retain(|hit| hit.1 < most);
-        assert_first(nearest.map(|hit| hit.distance), &expected, "nearest");
-        if let Some(hit) = nearest {
-            assert!((hit.point.distance(point) - hit.distance).abs() <= ROUNDING);
-        }
-
+        check_rays(&mut lab, &bodies, &filter, (from, way, most), hollow);
+        check_points(&mut lab, &bodies, &filter, (from, most));
         let (collider, turned) = (shape(&mut rng), turn(&mut rng));
         let pose = Pose {
             position: from,
             rotation: turned.normalize(),
         };
-        let place = parry3d::math::Pose::from_parts(pose.position, pose.rotation);
-        let depth = |(entity, at, of): &(Entity, parry3d::math::Pose, Collider)| {
-            let depth = -gap([at, &place], [of, &collider])?;
-            (depth > 0.001).then_some((*entity, depth))
-        };
-        let expected: Vec<_> = bodies.iter().filter_map(depth).collect();
-        let (overlaps, fits) = ask(&mut lab, |world| {
-            let overlaps = world.overlaps(&collider, pose, 0.001, &filter).unwrap();
-            (
-                overlaps,
-                world.fits(&collider, pose, 0.001, &filter).unwrap(),
-            )
-        });
-        assert_eq!(fits, expected.is_empty());
-        let overlaps = overlaps.iter().map(|it| (it.entity, it.depth));
-        assert_same(overlaps.collect(), expected, "overlaps");
+        check_overlaps(&mut lab, &bodies, &filter, (&collider, pose));
+        check_casts(&mut lab, &bodies, &filter, (&collider, pose), (way, most));
+    }
+}
 
-        let (first, all) = ask(&mut lab, |world| {
-            let first = world.cast_shape(&collider, pose, way, most, &filter);
-            let all = world.cast_shape_through(&collider, pose, way, most, &filter);
-            (first.unwrap(), all.unwrap())
-        });
-        assert!(all.is_sorted_by(|a, b| a.distance <= b.distance));
-        assert_eq!(
-            first.map(|hit| hit.distance),
-            all.first().map(|hit| hit.distance)
+fn check_rays(
+    lab: &mut Lab,
+    bodies: &Seen,
+    filter: &QueryFilter,
+    (from, way, most): (Vec3, Dir3, f32),
+    hollow: bool,
+) {
+    let ray = Ray::new(from, *way);
+    let hit = |(entity, at, of): &(Entity, parry3d::math::Pose, Collider)| {
+        // If a ray ends inside a box, parry reports that it leaves the box there.
+        let far = if hollow { f32::MAX } else { most };
+        let distance = of.shape().cast_ray(at, &ray, far, !hollow)?;
+        (distance <= most).then_some((*entity, distance))
+    };
+    let expected: Vec<_> = bodies.iter().filter_map(hit).collect();
+    let ray = Ray3d::new(from, way);
+    let (first, all) = ask(lab, |world| {
+        let first = world.cast_ray(ray, most, filter).unwrap();
+        (first, world.cast_ray_through(ray, most, filter).unwrap())
+    });
+    assert!(all.is_sorted_by(|a, b| a.distance <= b.distance));
+    for hit in all.iter().chain(&first) {
+        assert!(hit.point.distance(ray.get_point(hit.distance)) <= ROUNDING);
+    }
+    assert_first(first.map(|hit| hit.distance), &expected, "a ray");
+    let all = all.iter().map(|hit| (hit.entity, hit.distance));
+    assert_same(all.collect(), expected, "rays");
+}
+
+fn check_points(lab: &mut Lab, bodies: &Seen, filter: &QueryFilter, (point, most): (Vec3, f32)) {
+    let (here, nearest) = ask(lab, |world| {
+        let here = world.bodies_at(point, filter).unwrap();
+        (here, world.closest_point(point, most, filter).unwrap())
+    });
+    let contains = |(_, at, of): &&(Entity, _, Collider)| of.shape().contains_point(at, point);
+    let expected = bodies.iter().filter(contains).map(|body| (body.0, 0.0));
+    let here = here.into_iter().map(|entity| (entity, 0.0));
+    assert_same(here.collect(), expected.collect(), "at a point");
+    let distance = |(entity, at, of): &(Entity, _, Collider)| {
+        (*entity, of.shape().distance_to_point(at, point, true))
+    };
+    let mut expected: Vec<_> = bodies.iter().map(distance).collect();
+    expected.retain(|hit| hit.1 < most);
+    assert_first(nearest.map(|hit| hit.distance), &expected, "nearest");
+    if let Some(hit) = nearest {
+        assert!((hit.point.distance(point) - hit.distance).abs() <= ROUNDING);
+    }
+}
+
+fn check_overlaps(
+    lab: &mut Lab,
+    bodies: &Seen,
+    filter: &QueryFilter,
+    (collider, pose): (&Collider, Pose),
+) {
+    let place = parry3d::math::Pose::from_parts(pose.position, pose.rotation);
+    let depth = |(entity, at, of): &(Entity, parry3d::math::Pose, Collider)| {
+        let depth = -gap([at, &place], [of, collider])?;
+        (depth > 0.001).then_some((*entity, depth))
+    };
+    let expected: Vec<_> = bodies.iter().filter_map(depth).collect();
+    let (overlaps, fits) = ask(lab, |world| {
+        let overlaps = world.overlaps(collider, pose, 0.001, filter).unwrap();
+        (overlaps, world.fits(collider, pose, 0.001, filter).unwrap())
+    });
+    assert_eq!(fits, expected.is_empty());
+    let overlaps = overlaps.iter().map(|it| (it.entity, it.depth));
+    assert_same(overlaps.collect(), expected, "overlaps");
+}
+
+fn check_casts(
+    lab: &mut Lab,
+    bodies: &Seen,
+    filter: &QueryFilter,
+    (collider, pose): (&Collider, Pose),
+    (way, most): (Dir3, f32),
+) {
+    let place = parry3d::math::Pose::from_parts(pose.position, pose.rotation);
+    let (first, all) = ask(lab, |world| {
+        let first = world.cast_shape(collider, pose, way, most, filter);
+        let all = world.cast_shape_through(collider, pose, way, most, filter);
+        (first.unwrap(), all.unwrap())
+    });
+    assert!(all.is_sorted_by(|a, b| a.distance <= b.distance));
+    assert_eq!(
+        first.map(|hit| hit.distance),
+        all.first().map(|hit| hit.distance)
+    );
+    for (entity, at, of) in bodies {
+        let hit = all.iter().find(|hit| hit.entity == *entity);
+        let gap_after = |far: f32| {
+            let mut place = place;
+            place.translation += *way * far;
+            gap([at, &place], [of, collider]).unwrap_or(1.0)
+        };
+        let far = hit.map_or(most.min(30.0), |hit| hit.distance);
+        let what = format!(
+            "{entity} of {of:?} at {at:?}, {collider:?} from {place:?} along {way:?}, {hit:?}"
         );
-        for (entity, at, of) in &bodies {
-            let hit = all.iter().find(|hit| hit.entity == *entity);
-            let gap_after = |far: f32| {
-                let mut place = place;
-                place.translation += *way * far;
-                gap([at, &place], [of, &collider]).unwrap_or(1.0)
-            };
-            let far = hit.map_or(most.min(30.0), |hit| hit.distance);
-            let what = format!(
-                "{entity} of {of:?} at {at:?}, {collider:?} from {place:?} along {way:?}, {hit:?}"
-            );
-            for share in (0..12).filter(|_| far > 0.0) {
-                let far = far * share as f32 / 12.0;
-                assert!(
-                    gap_after(far) > -2e-3,
-                    "{what}: {} m after {far} m",
-                    gap_after(far)
-                );
-            }
+        for share in (0..12).filter(|_| far > 0.0) {
+            let far = far * share as f32 / 12.0;
             assert!(
-                hit.is_none() || gap_after(far) < 2e-3,
-                "{what}: {} m",
+                gap_after(far) > -2e-3,
+                "{what}: {} m after {far} m",
                 gap_after(far)
             );
         }
+        assert!(
+            hit.is_none() || gap_after(far) < 2e-3,
+            "{what}: {} m",
+            gap_after(far)
+        );
     }
 }
 

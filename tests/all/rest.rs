@@ -176,20 +176,23 @@ fn what_is_drawn_where_it_lies_rests_on() {
     assert!(yard.active().0.len() >= 9);
 }
 
-/// Edits of a user, each in a world at rest and in a world in which all bodies are checked in every step.
-#[test]
-fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
-    type Deed = fn(&mut Yard);
-    fn at<T: Component<Mutability = bevy_ecs::component::Mutable>>(
-        yard: &mut Yard,
-        body: Entity,
-    ) -> Mut<'_, T> {
-        yard.lab.world.get_mut::<T>(body).unwrap()
-    }
-    fn insert(yard: &mut Yard, body: Entity, bundle: impl Bundle) {
-        yard.lab.world.entity_mut(body).insert(bundle);
-    }
-    let deeds: [(&str, bool, Deed); 29] = [
+/// What a user does to a world.
+type Deed = fn(&mut Yard);
+
+fn at<T: Component<Mutability = bevy_ecs::component::Mutable>>(
+    yard: &mut Yard,
+    body: Entity,
+) -> Mut<'_, T> {
+    yard.lab.world.get_mut::<T>(body).unwrap()
+}
+
+fn insert(yard: &mut Yard, body: Entity, bundle: impl Bundle) {
+    yard.lab.world.entity_mut(body).insert(bundle);
+}
+
+/// Edits of bodies that move: what it is, whether bodies wake, and the edit.
+fn edits_of_cubes() -> Vec<(&'static str, bool, Deed)> {
+    vec![
         ("nothing", false, |_| ()),
         ("a cube is put elsewhere", true, |y| {
             at::<Transform>(y, y.stacks[0][1]).translation.x += 0.3;
@@ -253,6 +256,12 @@ fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
             };
             insert(y, y.stacks[0][0], layers);
         }),
+    ]
+}
+
+/// Edits of what they stand on, of their places in the hierarchy and of their contacts: what it is, whether bodies wake, and the edit.
+fn edits_below_cubes() -> Vec<(&'static str, bool, Deed)> {
+    vec![
         ("no friction below", true, |y| {
             insert(y, y.slabs[0], Friction::new(0.0));
         }),
@@ -302,7 +311,13 @@ fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
                 y.lab.world.despawn(pair);
             }
         }),
-    ];
+    ]
+}
+
+/// Edits of a user, each in a world at rest and in a world in which all bodies are checked in every step.
+#[test]
+fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
+    let deeds = [edits_of_cubes(), edits_below_cubes()].concat();
     let need = SleepSettings::default().waking;
     let cases = deeds
         .iter()

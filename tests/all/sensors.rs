@@ -80,27 +80,46 @@ fn a_body_enters_stays_and_leaves() {
     assert_eq!(lab.world.resource::<ConstraintGraph>().edge_count(), 0);
 }
 
-/// Random zones and bodies, edited at random: after every step contents are those of an exact comparison of all with all, and the messages
-/// sum up to them.
-#[test]
-fn contents_are_exact() {
-    let mut rng = Rng::with_seed(7);
-    let shape = |rng: &mut Rng| match rng.u8(0..5) {
+/// Whether the shapes of two bodies overlap, by an exact comparison.
+fn overlap(lab: &Lab, one: Entity, other: Entity) -> bool {
+    let [a, b] = [one, other].map(|body| {
+        let pose = lab.world.get::<Pose>(body).unwrap();
+        let shape = lab.world.get::<Collider>(body).unwrap().shape().clone();
+        (
+            drystone::parry3d::math::Pose::from_parts(pose.position, pose.rotation),
+            shape,
+        )
+    });
+    intersection_test(&a.0, &*a.1, &b.0, &*b.1)
+        .unwrap()
+        .intersecting
+}
+
+fn any_shape(rng: &mut Rng) -> Collider {
+    match rng.u8(0..5) {
         0 => Collider::ball(0.2 + rng.f32()),
         1 => Collider::cuboid(0.3 + rng.f32(), 0.3 + rng.f32(), 0.3 + rng.f32()),
         2 => Collider::cylinder(0.2 + rng.f32(), 0.5 + rng.f32()),
         3 => Collider::capsule(0.2 + 0.5 * rng.f32(), 0.5 + rng.f32()),
         _ => Collider::wedge(0.5 + rng.f32(), 0.5 + rng.f32(), 1.0).unwrap(),
-    };
-    let place = |rng: &mut Rng, reach: f32| {
-        let v = Vec3::new(rng.f32() - 0.5, rng.f32() - 0.2, rng.f32() - 0.5) * reach;
-        Transform::from_translation(v).with_rotation(Quat::from_rotation_y(6.0 * rng.f32()))
-    };
+    }
+}
+
+fn any_place(rng: &mut Rng, reach: f32) -> Transform {
+    let v = Vec3::new(rng.f32() - 0.5, rng.f32() - 0.2, rng.f32() - 0.5) * reach;
+    Transform::from_translation(v).with_rotation(Quat::from_rotation_y(6.0 * rng.f32()))
+}
+
+/// Random zones and bodies, edited at random: after every step contents are those of an exact comparison of all with all, and the messages
+/// sum up to them.
+#[test]
+fn contents_are_exact() {
+    let mut rng = Rng::with_seed(7);
     let mut lab = Lab::new();
     let ground = lab.ground();
     let mut zones = Vec::new();
     for i in 0..12 {
-        let (shape, at) = (shape(&mut rng), place(&mut rng, 6.0));
+        let (shape, at) = (any_shape(&mut rng), any_place(&mut rng, 6.0));
         let zone = lab.spawn((shape, Sensor, at));
         if i % 3 == 0 {
             let velocity = Velocity::linear(Vec3::new(0.5, 0.0, 0.2));
@@ -112,7 +131,7 @@ fn contents_are_exact() {
     }
     let mut bodies = Vec::new();
     for _ in 0..40 {
-        let (shape, at) = (shape(&mut rng), place(&mut rng, 6.0));
+        let (shape, at) = (any_shape(&mut rng), any_place(&mut rng, 6.0));
         bodies.push(lab.spawn((RigidBody::Dynamic, shape, at)));
     }
     let mut known: BTreeSet<(Entity, Entity)> = BTreeSet::new();
@@ -123,14 +142,14 @@ fn contents_are_exact() {
             let body = bodies[number];
             match rng.u8(0..5) {
                 0 => _ = lab.world.despawn(bodies.swap_remove(number)),
-                1 => *lab.world.get_mut(body).unwrap() = place(&mut rng, 6.0),
-                2 => _ = lab.world.entity_mut(body).insert(shape(&mut rng)),
+                1 => *lab.world.get_mut(body).unwrap() = any_place(&mut rng, 6.0),
+                2 => _ = lab.world.entity_mut(body).insert(any_shape(&mut rng)),
                 3 => {
                     let zone = zones[rng.usize(0..zones.len())];
                     lab.world.get_mut::<Transform>(zone).unwrap().translation.x += 0.7;
                 }
                 _ => {
-                    let (shape, at) = (shape(&mut rng), place(&mut rng, 6.0));
+                    let (shape, at) = (any_shape(&mut rng), any_place(&mut rng, 6.0));
                     bodies.push(lab.spawn((RigidBody::Dynamic, shape, at)));
                 }
             }
@@ -148,26 +167,13 @@ fn contents_are_exact() {
                 "{step}: {event:?}"
             );
         }
-        let overlap = |one: Entity, other: Entity| {
-            let [a, b] = [one, other].map(|body| {
-                let pose = lab.world.get::<Pose>(body).unwrap();
-                let shape = lab.world.get::<Collider>(body).unwrap().shape().clone();
-                (
-                    drystone::parry3d::math::Pose::from_parts(pose.position, pose.rotation),
-                    shape,
-                )
-            });
-            intersection_test(&a.0, &*a.1, &b.0, &*b.1)
-                .unwrap()
-                .intersecting
-        };
         for &zone in &zones {
             let found = inside(&lab, zone);
             let is_static = lab.world.get::<RigidBody>(zone) == Some(&RigidBody::Static);
             let targets = bodies.iter().chain(Some(&ground).filter(|_| !is_static));
             let expected: Vec<Entity> = targets
                 .copied()
-                .filter(|&body| overlap(zone, body))
+                .filter(|&body| overlap(&lab, zone, body))
                 .collect();
             let sorted = |list: &[Entity]| list.iter().copied().collect::<BTreeSet<_>>();
             assert_eq!(sorted(&found), sorted(&expected), "step {step}");

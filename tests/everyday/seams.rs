@@ -61,6 +61,29 @@ const FAR: Frame = Frame {
     far: 1000.0,
 };
 
+/// A hexagonal tile, 1 m wide from corner to corner.
+fn hexagon() -> Collider {
+    let corners = |y: f32| {
+        (0..6).map(move |i| {
+            Quat::from_rotation_y(i as f32 * std::f32::consts::FRAC_PI_3) * Vec3::new(0.0, y, 0.5)
+        })
+    };
+    Collider::convex_hull(&corners(-0.2).chain(corners(0.2)).collect::<Vec<_>>()).unwrap()
+}
+
+/// A surface of 4 × 4 m: a height field or a mesh, which alternate in a mixed floor.
+fn surface(floor: Floor, is_even: bool) -> Collider {
+    let field = Collider::height_field(&vec![vec![0.0; 9]; 9], Vec3::new(4.0, 1.0, 4.0)).unwrap();
+    let corners = [[-2.0, -2.0], [-2.0, 2.0], [2.0, 2.0], [2.0, -2.0]];
+    let corners = corners.map(|[x, z]| Vec3::new(x, 0.0, z));
+    let mesh = Collider::trimesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    match floor {
+        Floor::Fields => field,
+        Floor::Mixed if is_even => field,
+        _ => mesh,
+    }
+}
+
 /// Builds a floor of some 24 × 6 m from x = −2 on.
 fn lay(world: &mut World, floor: Floor, friction: Friction, frame: Frame) {
     let tile = |world: &mut World, kind: RigidBody, collider: Collider, x: f32, y: f32, z: f32| {
@@ -95,15 +118,7 @@ fn lay(world: &mut World, floor: Floor, friction: Friction, frame: Frame) {
             cells().for_each(|(x, z)| tile(world, RigidBody::Kinematic, cube(1.0), x, -0.5, z))
         }
         Floor::Hexagons => {
-            let corners = |y: f32| {
-                (0..6).map(move |i| {
-                    Quat::from_rotation_y(i as f32 * std::f32::consts::FRAC_PI_3)
-                        * Vec3::new(0.0, y, 0.5)
-                })
-            };
-            let hexagon =
-                Collider::convex_hull(&corners(-0.2).chain(corners(0.2)).collect::<Vec<_>>())
-                    .unwrap();
+            let hexagon = hexagon();
             let width = 3f32.sqrt() * 0.5;
             for (x, z) in (0..26).flat_map(|x| (-4..5).map(move |z| (x, z))) {
                 let shift = 0.5 * (z & 1) as f32;
@@ -132,17 +147,7 @@ fn lay(world: &mut World, floor: Floor, friction: Friction, frame: Frame) {
         }
         Floor::Fields | Floor::Meshes | Floor::Mixed => {
             for (x, z) in (0..6).flat_map(|x| (-1..=1).map(move |z| (x, z))) {
-                let field =
-                    Collider::height_field(&vec![vec![0.0; 9]; 9], Vec3::new(4.0, 1.0, 4.0))
-                        .unwrap();
-                let corners = [[-2.0, -2.0], [-2.0, 2.0], [2.0, 2.0], [2.0, -2.0]]
-                    .map(|[x, z]| Vec3::new(x, 0.0, z));
-                let mesh = Collider::trimesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
-                let collider = match floor {
-                    Floor::Fields => field,
-                    Floor::Mixed if (x + z) % 2 == 0 => field,
-                    _ => mesh,
-                };
+                let collider = surface(floor, (x + z) % 2 == 0);
                 tile(
                     world,
                     RigidBody::Static,

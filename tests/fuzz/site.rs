@@ -107,39 +107,14 @@ impl Site {
     pub fn act(&mut self, Act { operation, bad }: &Act) -> bool {
         match operation {
             Operation::Step(dt) => return self.step(*dt),
-            Operation::Gravity(gravity) => {
-                self.set(|world| world.insert_resource(Gravity(*gravity)))
-            }
-            Operation::Solver(solver) => {
-                self.plain = false;
-                self.set(|world| world.insert_resource(solver.settings()));
-            }
-            Operation::Stabilization(settings) => {
-                self.plain = false;
-                self.set(|world| world.insert_resource(**settings));
-            }
-            Operation::Narrowphase(settings) => {
-                self.plain = false;
-                self.set(|world| world.insert_resource(*settings));
-            }
-            Operation::Forget(i) => self.set(|world| match i % 6 {
-                0 => _ = world.remove_resource::<Gravity>(),
-                1 => _ = world.remove_resource::<SolverSettings>(),
-                2 => _ = world.remove_resource::<StabilizationSettings>(),
-                3 => _ = world.remove_resource::<SleepSettings>(),
-                4 => _ = world.remove_resource::<NarrowphaseSettings>(),
-                _ => _ = world.remove_resource::<SpeedLimits>(),
-            }),
-            Operation::Sleep(settings) => self.set(|world| world.insert_resource(*settings)),
-            Operation::Speeds(limits) => self.set(|world| world.insert_resource(*limits)),
-            Operation::Defaults => self.set(|world| {
-                world.insert_resource(Gravity::default());
-                world.insert_resource(SolverSettings::default());
-                world.insert_resource(StabilizationSettings::default());
-                world.insert_resource(NarrowphaseSettings::default());
-                world.insert_resource(SleepSettings::default());
-                world.insert_resource(SpeedLimits::default());
-            }),
+            Operation::Gravity(_)
+            | Operation::Solver(_)
+            | Operation::Stabilization(_)
+            | Operation::Narrowphase(_)
+            | Operation::Forget(_)
+            | Operation::Sleep(_)
+            | Operation::Speeds(_)
+            | Operation::Defaults => self.change_settings(operation),
             Operation::Spawn(spawn) => self.spawn(spawn, *bad),
             Operation::Reset => {
                 for pair in self.guests_pairs() {
@@ -199,6 +174,46 @@ impl Site {
             self.teleport();
         }
         false
+    }
+
+    /// Changes settings, in both worlds.
+    fn change_settings(&mut self, operation: &Operation) {
+        match operation {
+            Operation::Gravity(gravity) => {
+                self.set(|world| world.insert_resource(Gravity(*gravity)))
+            }
+            Operation::Solver(solver) => {
+                self.plain = false;
+                self.set(|world| world.insert_resource(solver.settings()));
+            }
+            Operation::Stabilization(settings) => {
+                self.plain = false;
+                self.set(|world| world.insert_resource(**settings));
+            }
+            Operation::Narrowphase(settings) => {
+                self.plain = false;
+                self.set(|world| world.insert_resource(*settings));
+            }
+            Operation::Forget(i) => self.set(|world| match i % 6 {
+                0 => _ = world.remove_resource::<Gravity>(),
+                1 => _ = world.remove_resource::<SolverSettings>(),
+                2 => _ = world.remove_resource::<StabilizationSettings>(),
+                3 => _ = world.remove_resource::<SleepSettings>(),
+                4 => _ = world.remove_resource::<NarrowphaseSettings>(),
+                _ => _ = world.remove_resource::<SpeedLimits>(),
+            }),
+            Operation::Sleep(settings) => self.set(|world| world.insert_resource(*settings)),
+            Operation::Speeds(limits) => self.set(|world| world.insert_resource(*limits)),
+            Operation::Defaults => self.set(|world| {
+                world.insert_resource(Gravity::default());
+                world.insert_resource(SolverSettings::default());
+                world.insert_resource(StabilizationSettings::default());
+                world.insert_resource(NarrowphaseSettings::default());
+                world.insert_resource(SleepSettings::default());
+                world.insert_resource(SpeedLimits::default());
+            }),
+            _ => unreachable!("{operation:?} changes no settings"),
+        }
     }
 
     /// Has observers do anything to guests in the steps of the noisy world; see [`mischief`].

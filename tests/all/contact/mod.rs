@@ -470,6 +470,17 @@ fn mirrored((at, turn): Pose) -> Pose {
 
 pub const FAR: f64 = 1e3;
 
+impl Pair<'_> {
+    /// The pair in a mirror, of these shapes.
+    fn mirrored<'a>(&self, [a, b]: &'a [Shape; 2]) -> Pair<'a> {
+        Pair {
+            shapes: [a, b],
+            poses: self.poses.map(mirrored),
+            kind: self.kind,
+        }
+    }
+}
+
 /// Looks at a pair from all sides.
 fn judge(pair: &Pair, dice: &mut Dice, table: &mut Table) {
     let size = pair.shapes[0].form.size.min(pair.shapes[1].form.size);
@@ -521,11 +532,7 @@ fn judge(pair: &Pair, dice: &mut Dice, table: &mut Table) {
     }
     if dice.0.u32(..8) == 0 {
         let shapes = pair.shapes.map(Shape::mirrored);
-        let mirror = Pair {
-            shapes: [&shapes[0], &shapes[1]],
-            poses: pair.poses.map(mirrored),
-            kind: pair.kind,
-        };
+        let mirror = pair.mirrored(&shapes);
         let judge_of_mirror = Judge::new(&mirror, reach);
         let view = look(&shapes[0].body, &shapes[1].body, mirror.poses);
         wrongs.push(wrong("in a mirror", &judge_of_mirror, &view, false));

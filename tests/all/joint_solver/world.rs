@@ -170,8 +170,34 @@ impl World {
 
     /// A step of Δt: refreshes joints and contacts, solves, and moves the bodies.
     pub fn step(&mut self, dt: f32) {
-        let mut bodies: Vec<Body> = self
-            .things
+        let mut bodies = self.bodies(dt);
+        let mut joints = self.joints();
+        self.refresh_contacts();
+        self.memory.revise_patches(self.patches.len());
+        self.solver.solve(&mut PatchProblem {
+            bodies: &mut bodies,
+            patches: &mut self.patches,
+            points: &mut self.points,
+            grabs: &mut [],
+            joints: &mut joints,
+            surfaces: &[],
+            dt,
+            longest: dt,
+            gravity: self.gravity,
+            effort: 1.0,
+            max_correction_speed: 2.0,
+            settling: None,
+            stays_awake: false,
+            record_history: false,
+            threads: 1,
+            memory: &mut self.memory,
+        });
+        self.take_over(&bodies, &joints, dt);
+        self.time += dt;
+    }
+
+    fn bodies(&self, dt: f32) -> Vec<Body> {
+        self.things
             .iter()
             .map(|thing| {
                 let moves = thing.mass > 0.0;
@@ -185,9 +211,11 @@ impl World {
                     ..Default::default()
                 }
             })
-            .collect();
-        let mut joints: Vec<JointConstraint> = self
-            .links
+            .collect()
+    }
+
+    fn joints(&self) -> Vec<JointConstraint> {
+        self.links
             .iter()
             .map(|link| {
                 let ends = link
@@ -202,7 +230,10 @@ impl World {
                     ..link.constraint
                 }
             })
-            .collect();
+            .collect()
+    }
+
+    fn refresh_contacts(&mut self) {
         for (number, foot) in self.feet.clone().iter().enumerate() {
             let ends = foot.bodies.map(|body| self.things[body as usize]);
             let ground = self.ground(foot);
@@ -235,26 +266,11 @@ impl World {
                 point.separation = (center + offset).y - ground;
             }
         }
-        self.memory.revise_patches(self.patches.len());
-        self.solver.solve(&mut PatchProblem {
-            bodies: &mut bodies,
-            patches: &mut self.patches,
-            points: &mut self.points,
-            grabs: &mut [],
-            joints: &mut joints,
-            surfaces: &[],
-            dt,
-            longest: dt,
-            gravity: self.gravity,
-            effort: 1.0,
-            max_correction_speed: 2.0,
-            settling: None,
-            stays_awake: false,
-            record_history: false,
-            threads: 1,
-            memory: &mut self.memory,
-        });
-        for (link, joint) in self.links.iter_mut().zip(&joints) {
+    }
+
+    /// Takes over what was solved, and moves the bodies.
+    fn take_over(&mut self, bodies: &[Body], joints: &[JointConstraint], dt: f32) {
+        for (link, joint) in self.links.iter_mut().zip(joints) {
             link.constraint = *joint;
         }
         for (foot, patch) in self.feet.iter_mut().zip(&self.patches) {
@@ -262,7 +278,7 @@ impl World {
                 *anchor += patch.dragged.shift;
             }
         }
-        for (thing, body) in self.things.iter_mut().zip(&bodies) {
+        for (thing, body) in self.things.iter_mut().zip(bodies) {
             if thing.mass == 0.0 {
                 thing.position += dt * thing.linear;
                 thing.rotation = Quat::from_scaled_axis(dt * thing.angular) * thing.rotation;
@@ -273,7 +289,6 @@ impl World {
             thing.rotation = (Quat::from_scaled_axis(dt * angular) * thing.rotation).normalize();
             (thing.linear, thing.angular) = (body.linear, body.angular);
         }
-        self.time += dt;
     }
 
     /// Drops what the solver keeps.

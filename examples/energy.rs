@@ -81,7 +81,8 @@ fn main() {
                 None => "awake".to_owned(),
             };
             println!(
-                "{name} #{seed}: {:.0} J at first, {:.0} in the end ({:.0} kinetic), gained {:.1}; at most {:.1} m/s, {:.0} rad/s; {asleep}, overlap {:.1} mm; took {:.1} s",
+                "{name} #{seed}: {:.0} J at first, {:.0} in the end ({:.0} kinetic), gained {:.1}; at most {:.1} m/s, {:.0} rad/s; \
+                 {asleep}, overlap {:.1} mm; took {:.1} s",
                 fall.first,
                 fall.last,
                 fall.kinetic,

@@ -80,7 +80,11 @@ impl Report {
     }
 
     fn tilts(&mut self) {
-        self.line("\n| structure | limit | fresh: 60 Hz | 30 Hz | 0.1 s | settled: 60 Hz | 30 Hz | 0.1 s |\n|---|---|---|---|---|---|---|---|".into());
+        self.line(
+            "\n| structure | limit | fresh: 60 Hz | 30 Hz | 0.1 s | settled: 60 Hz | 30 Hz | 0.1 \
+            s |\n|---|---|---|---|---|---|---|---|"
+                .into(),
+        );
         let stacks = [3, 5, 8].map(Structure::stack);
         let across = [6, 10].map(Structure::wall_across);
         let along = [6, 10].map(Structure::wall_along);

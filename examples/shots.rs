@@ -109,7 +109,8 @@ fn moved(dt: f32, table: &mut String) -> f32 {
 /// The mean over all bricks and shots, as the farthest brick of a single shot goes twice as far for a ball some centimetres beside.
 fn main() -> Result<(), Box<dyn Error>> {
     let mut table = String::from(
-        "| Δt, s | bricks moved, mm | the farthest, mm | at 0.2 s, mm | then the ball, m/s | and the wall, N·s |\n|---|---|---|---|---|---|\n",
+        "| Δt, s | bricks moved, mm | the farthest, mm | at 0.2 s, mm | then the ball, m/s | and the wall, \
+         N·s |\n|---|---|---|---|---|---|\n",
     );
     print!("{table}");
     let truth = moved(1.0 / 960.0, &mut table);

@@ -33,7 +33,8 @@ struct Arguments {
 fn main() {
     let arguments = Arguments::parse();
     println!(
-        "| scene | bodies | a step, ms | take, ms | take into an old one, ms | restore the last step, ms | restore {FRAMES} steps and take them again, ms | bytes a body | of the difference a step makes | written, ms |\n|---|---|---|---|---|---|---|---|---|---|"
+        "| scene | bodies | a step, ms | take, ms | take into an old one, ms | restore the last step, ms | restore {FRAMES} steps and \
+         take them again, ms | bytes a body | of the difference a step makes | written, ms |\n|---|---|---|---|---|---|---|---|---|---|"
     );
     for (name, sleeping, steps) in SCENES {
         let scene: Scene = name.parse().expect("the name of a scene");
@@ -78,7 +79,8 @@ fn row(name: &str, sleeping: bool, run: &mut Run) {
     let [step, take, again, back, frames] = times.map(median);
     let rest = if sleeping { "asleep" } else { "awake" };
     println!(
-        "| `{name}`, {rest} | {bodies} | {step:.3} | {take:.3} | {again:.3} | {back:.3} | {frames:.2} | {bytes:.0} | {difference:.0} | {:.1} |",
+        "| `{name}`, {rest} | {bodies} | {step:.3} | {take:.3} | {again:.3} | {back:.3} | {frames:.2} | {bytes:.0} | {difference:.0} | \
+         {:.1} |",
         1e3 * write.as_secs_f64()
     );
 }

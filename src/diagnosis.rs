@@ -46,12 +46,14 @@ pub enum BodyProblem {
     InvalidGravityScale,
     /// The `Grab` has a point or rotation that is not finite, or a response, speed, force or torque that is negative or not a number.
     #[error(
-        "its `Grab` has a point, rotation or response that is not finite, a rotation of length zero, or a speed, force or torque that is negative"
+        "its `Grab` has a point, rotation or response that is not finite, a rotation of length zero, or a speed, force or torque that is \
+         negative"
     )]
     InvalidGrab,
     /// The mass or a moment of inertia of a dynamic body is zero, negative, not finite or out of bounds.
     #[error(
-        "its mass or inertia is zero, negative, not finite or not between {:.0e} and {:.0e} kg; a body without mass must be static or kinematic",
+        "its mass or inertia is zero, negative, not finite or not between {:.0e} and {:.0e} kg; a body without mass must be static or \
+         kinematic",
         limits::LIGHTEST,
         limits::HEAVIEST
     )]
@@ -66,7 +68,8 @@ pub enum BodyProblem {
     /// The scale of its `Transform`, multiplied with those of the entities above it, is zero along some axis or not finite, makes its shape
     /// too small or too large, or mirrors a height field. Negative scales mirror other shapes.
     #[error(
-        "the scale of its `Transform`, with those of the entities above it, is zero along some axis, not finite, negative for a height field, or makes the size of its shape not between {:.0e} and {:.0e} m",
+        "the scale of its `Transform`, with those of the entities above it, is zero along some axis, not finite, negative for a height \
+         field, or makes the size of its shape not between {:.0e} and {:.0e} m",
         limits::SMALLEST,
         limits::LARGEST
     )]
@@ -107,7 +110,8 @@ pub enum BodyProblem {
     },
     /// A joint connects it to a body more than [`EXTREME_JOINT_RATIO`] times as light. If the light body bears it, the joint yields.
     #[error(
-        "a joint connects it to {other}, whose mass is more than {EXTREME_JOINT_RATIO:.0e} times smaller: if the lighter body bears the heavier one, the joint yields; give the lighter one more mass"
+        "a joint connects it to {other}, whose mass is more than {EXTREME_JOINT_RATIO:.0e} times smaller: if the lighter body bears the \
+         heavier one, the joint yields; give the lighter one more mass"
     )]
     ExtremeJointRatio {
         /// The lighter body.
@@ -159,7 +163,8 @@ pub enum PartProblem {
     InvalidMaterial,
     /// It is a mesh, height field, triangle or half-space, or the body's own collider is one, and the body is dynamic.
     #[error(
-        "a surface or half-space has no volume: use `Collider::convex_hull` or `Collider::convex_decomposition`, or make the body static or kinematic"
+        "a surface or half-space has no volume: use `Collider::convex_hull` or `Collider::convex_decomposition`, or make the body static \
+         or kinematic"
     )]
     Surface,
     /// The body has 4095 other parts already.

@@ -41,12 +41,12 @@
 //! | joints | [`joint`], [`mortar`] | | joints | edges of the graph |
 //! | broadphase | [`broadphase`] | | `BodyTable` | [`ContactPair`](contact::ContactPair) entities |
 //! | narrowphase | [`narrowphase`] | | `BodyTable` | [`Manifold`](contact::Manifold); impulses and anchors in its order |
-//! | islands | [`graph`] | | pairs, manifolds | which bodies wake up and which are at rest; [`Sleeping`](body::Sleeping), [`Inactive`](body::Inactive) |
+//! | islands | [`graph`] | | pairs, manifolds | [`Sleeping`](body::Sleeping) of bodies that wake, [`Inactive`](body::Inactive) |
 //! | friction error | [`stabilization::friction`] | (11)–(15) | manifold, anchors | [`ContactTargets`](contact::ContactTargets) |
 //! | normal correction | [`stabilization::normal`] | (1)–(9) | manifold | `ContactTargets` |
 //! | forces | [`body`] | | forces, gravity | [`Velocity`](body::Velocity) |
 //! | warm start | [`warm_start`] | | pairs, manifolds, last impulses | [`IslandProblems`](warm_start::IslandProblems) |
-//! | solve | [`solve`], [`solver`] | (1), (4) | `IslandProblems`, velocities | `Velocity`, [`Motion`](body::Motion), [`ContactImpulses`](contact::ContactImpulses) |
+//! | solve | [`solve`], [`solver`] | (1), (4) | problems, speeds | `Velocity`, `Motion`, [`ContactImpulses`](contact::ContactImpulses) |
 //! | anchors | [`stabilization::anchors`] | (10), (11) | impulses | [`ContactAnchors`](contact::ContactAnchors) |
 //! | integration | [`integration`] | | `Velocity` | `Pose`, `Transform` |
 //! | sleeping | [`graph`] | | `Velocity` | [`Sleeping`](body::Sleeping) |
@@ -55,6 +55,12 @@
 //!
 //! The order is defined in [`schedule`]. [`settings`] holds the settings, [`diagnosis`] the errors about invalid input, and [`profile`] the
 //! time of every system.
+//!
+//! # Which module knows which
+//!
+//! [`body`] holds all components of bodies and colliders, `pair` and `joint_types` those of contacts and joints, and [`graph`] connects
+//! them. The stages of a step stand on these, and [`schedule`] puts the stages in order. What asks, saves, builds or draws stands on
+//! [`schedule`], and nothing that a step needs knows of it. The whole list is `docs/layers.md`, and a test compares the imports with it.
 //!
 //! # Questions about the world
 //!
@@ -67,7 +73,7 @@
 //! | Which forces act on a body? | [`Contacts`](contact::Contacts) | [`contacts`](contact::contacts()) |
 //! | Which joints has a body, and what do they bear? | [`Joints`](joint::Joints) | [`joints_of`](joint::joints_of) |
 //! | What supports a body, and what does it support? | [`Supports`](contact::Supports) | [`supports`](contact::supports()) |
-//! | What would happen after an edit? | [`Previews`](preview::Previews) | [`preview`](preview::preview()), [`preview_task`](preview::preview_task()) |
+//! | What would happen after an edit? | [`Previews`](preview::Previews) | [`preview`](preview::preview()), `preview_task` |
 //! | Who is inside a zone? | [`SensorOverlaps`](sensor::SensorOverlaps), a component of the sensor | |
 //! | How much load can a structure take? (feature `stability`) | `Stability` | `stability`, `stability_task` |
 //!
@@ -78,7 +84,7 @@
 //! | build | [`masonry`] generates structures and undoes edits, [`mortar`] bonds bricks, [`children`] make a body of several colliders |
 //! | move | [`body`]: velocities, forces, locks, teleports; [`character`]: characters that walk, jump and ride; [`grab`]: hands |
 //! | join | [`joint`]: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break |
-//! | ask | the questions above; [`sensor`]: who is inside a zone; [`contact`]: messages and events of hits and forces; [`collapse`]: structures that fail |
+//! | ask | the questions above; [`sensor`]: who is inside; [`contact`]: events of hits and forces; [`collapse`]: structures that fail |
 //! | see | the features `gizmos` and `picking`; [`profile`] and the feature `diagnostics` for times |
 //! | save | [`saving`], with the feature `serde` |
 //! | stream | [`streaming`]: regions of a large world are taken out, and put back as they stood |

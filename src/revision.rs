@@ -11,13 +11,20 @@
 //!
 //! A stage takes one revision each time it runs, and gives it to all sources that it changes in that run.
 //!
-//! | source | gets a new revision from | derived data that keeps it |
-//! |---|---|---|
-//! | [`ContactPair`](crate::contact::ContactPair), together with its manifold, impulses and anchors | *narrowphase*, when contacts are detected anew; a user's edit | slips (`ContactAnchors::measured`); the place of a contact in the order of a solve; the rows of a problem and the blocks of Soft Step, patch by patch ([`Memory`](crate::solver::Memory)) |
-//! | an island of [`Islands`](crate::graph::Islands): members, links, which bodies sleep | *islands* | the order of its bodies and contacts; its problem |
-//! | all of [`Islands`](crate::graph::Islands) | *islands* | which islands have an order |
-//! | the bodies that were removed from the [`BodyTable`](crate::body::BodyTable) | *prepare* | the contents of [sensors](crate::sensor) |
-//! | the patches of a problem ([`Memory`](crate::solver::Memory)): their number, bodies and points | *warm start* | the state that a solver keeps |
+//! | source | gets a new revision from |
+//! |---|---|
+//! | [`ContactPair`], with its manifold, impulses and anchors | *narrowphase*, when contacts are detected anew; a user's edit |
+//! | an island of [`Islands`]: members, links, which bodies sleep | *islands* |
+//! | all of [`Islands`] | *islands* |
+//! | the bodies that were removed from the [`BodyTable`](crate::body::BodyTable) | *prepare* |
+//! | the patches of a problem ([`Memory`]): their number, bodies and points | *warm start* |
+//!
+//! Derived data that keeps it:
+//! - of a pair: slips (`ContactAnchors::measured`); the place of a contact in the order of a solve; the rows of a problem and the blocks of
+//!   Soft Step, patch by patch ([`Memory`]);
+//! - of an island: the order of its bodies and contacts; its problem. Of all islands: which islands have an order;
+//! - of removed bodies: the contents of [sensors](crate::sensor);
+//! - of the patches of a problem: the state that a solver keeps.
 //!
 //! Where little of a large source has changed, derived data may be edited. Then the source also says what has changed since which revision,
 //! and the edit is made if the derived data has that revision. The order of an island, its problem and the state of Soft Step do so.
@@ -34,5 +41,9 @@
 //! # What needs no revision
 //! Facts about one step, such as [`BodyState::moved`](crate::body::BodyState::moved), and lists of changes that the next stage takes over,
 //! such as those of the constraint graph. They end with the step, so nothing can be out of date.
+//!
+//! [`ContactPair`]: crate::contact::ContactPair
+//! [`Islands`]: crate::graph::Islands
+//! [`Memory`]: crate::solver::Memory
 
 pub use drystone_solver::revision::Revision;

@@ -81,8 +81,10 @@ fn by_number(arches: &[Arch]) -> String {
     let mut text = "\n## Arches by the number of voussoirs
 
 Least thickness as a share of the mean radius. Limit analysis of n voussoirs is Heyman's safe theorem as a linear program
-(`tests/support/masonry/statics.rs`), which shares no code with the library. Simulated: the default solver at 1/60 s. 0.3092 is the least friction at which
-an arch of infinitely many stands, rounded; near it a wide range of thicknesses is nearly at its limit, and from 41 voussoirs on none stands.
+(`tests/support/masonry/statics.rs`), which shares no code with the library. Simulated: the default solver at 1/60 s. 0.3092 is the \
+least friction at which
+an arch of infinitely many stands, rounded; near it a wide range of thicknesses is nearly at its limit, and from 41 voussoirs on none \
+stands.
 
 ![Least thickness of an arch by the number of its voussoirs](pictures/accuracy-arches.png)
 

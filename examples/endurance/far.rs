@@ -24,7 +24,8 @@ const FALLEN: f32 = 0.25;
 
 pub fn run() -> Result<(), Box<dyn Error>> {
     println!(
-        "| km | rounding of a coordinate, mm | wall of 10 × 10, drift, mm | laid brick by brick, mm | a ball is thrown at it, mm | as far up, mm |\n|---|---|---|---|---|---|"
+        "| km | rounding of a coordinate, mm | wall of 10 × 10, drift, mm | laid brick by brick, mm | a ball is thrown at it, mm | as \
+         far up, mm |\n|---|---|---|---|---|---|"
     );
     for distance in DISTANCES {
         let far = 1e3 * distance * Vec3::new(0.6, 0.0, 0.8);

@@ -94,7 +94,8 @@ fn all_results(records: &[Record]) -> String {
 fn beside_prototype(rows: &[Vec<String>]) -> String {
     paragraph(
         "Drift after 60 s, or the time of the fall, beside an independent prototype of the method in double precision with a \
-         collision detection of its own. Seeds of the noise differ, so falls are comparable only in kind; – where one falls and the other stands.",
+         collision detection of its own. Seeds of the noise differ, so falls are comparable only in kind; – where one falls and the \
+         other stands.",
     ) + &table(&prototype::HEADS, rows)
 }
 

@@ -232,7 +232,8 @@ fn crowd(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     let [_, longest] = site.steps(20);
     writeln!(
         text,
-        "| {} bricks are spawned beside them, asleep: spawning, the next step, the longest after | {spawned:.3}, {first:.3}, {longest:.3} |",
+        "| {} bricks are spawned beside them, asleep: spawning, the next step, the longest after | {spawned:.3}, {first:.3}, \
+         {longest:.3} |",
         new.len()
     )?;
     let start = Instant::now();

@@ -31,7 +31,8 @@ const SMALL: [u32; 2] = [10, 10];
 const APART: f32 = 3.0;
 
 /// Names of the columns.
-const HEAD: &str = "bricks,spawn_ms,first_step_ms,later_steps_ms,kilobytes_a_brick,peak_kilobytes_a_brick,step_ms,ray_us,play_ms,play_p99_ms,play_longest_ms,play_awake,out_and_in_ms";
+const HEAD: &str = "bricks,spawn_ms,first_step_ms,later_steps_ms,kilobytes_a_brick,peak_kilobytes_a_brick,step_ms,ray_us,play_ms,\
+    play_p99_ms,play_longest_ms,play_awake,out_and_in_ms";
 
 /// What was measured of a town; in the order of [`HEAD`].
 type Row = [f64; 13];
@@ -44,7 +45,8 @@ pub fn measure(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let mut rows: Vec<Row> = Vec::new();
     let mut csv = format!("{HEAD}\n");
     println!(
-        "| bricks | spawned + first step, s | the two steps after, ms | kB a brick, at its peak | a step, ms | a ray, µs | play: mean, p99, longest, ms | awake | 1 000 out and in, ms |\n|---|---|---|---|---|---|---|---|---|"
+        "| bricks | spawned + first step, s | the two steps after, ms | kB a brick, at its peak | a step, ms | a ray, µs | play: mean, \
+         p99, longest, ms | awake | 1 000 out and in, ms |\n|---|---|---|---|---|---|---|---|---|"
     );
     for walls in TOWNS {
         let town = Command::new(std::env::current_exe()?)
@@ -76,7 +78,8 @@ pub fn measure(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             out_and_in,
         ] = row;
         println!(
-            "| {bricks} | {:.3} | {later:.1} | {kilobytes:.2}, {peak:.2} | {step:.3} | {ray:.2} | {mean:.3}, {p99:.2}, {longest:.2} | {awake:.0} | {out_and_in:.2} |",
+            "| {bricks} | {:.3} | {later:.1} | {kilobytes:.2}, {peak:.2} | {step:.3} | {ray:.2} | {mean:.3}, {p99:.2}, {longest:.2} | \
+             {awake:.0} | {out_and_in:.2} |",
             1e-3 * (spawn + first)
         );
         rows.push(row);

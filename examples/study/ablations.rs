@@ -107,8 +107,8 @@ pub fn tables(records: &[Record]) -> Vec<Table> {
             format!("At equal time, {step}"),
             format!(
                 "Drift / sag after {seconds} s in mm, worst of the seeds, with (so many iterations): the most that cost no more than the \
-                 default's in the last row, whose milliseconds a step stand there; where even the fewest cost more, those, and how many times \
-                 as much. The time of what falls is that of its fall."
+                 default's in the last row, whose milliseconds a step stand there; where even the fewest cost more, those, and how many \
+                 times as much. The time of what falls is that of its fall."
             ),
             &cases,
             at_equal_time,
@@ -116,8 +116,9 @@ pub fn tables(records: &[Record]) -> Vec<Table> {
         tables.push(table(
             format!("At equal iterations, {step}"),
             format!(
-                "Drift / sag after {seconds} s in mm, rms speed in mm/s; milliseconds a step. With the preset's or the solver's iterations: 75 for the paper's solvers \
-                 and APGD, 10 for AVBD, for Soft Step 16 a sixtieth of a second, and up to 24 until all is at rest. A dash where that takes too long to be run."
+                "Drift / sag after {seconds} s in mm, rms speed in mm/s; milliseconds a step. With the preset's or the solver's \
+                 iterations: 75 for the paper's solvers and APGD, 10 for AVBD, for Soft Step 16 a sixtieth of a second, and up to 24 \
+                 until all is at rest. A dash where that takes too long to be run."
             ),
             &cases,
             at_own_iterations,
@@ -125,8 +126,8 @@ pub fn tables(records: &[Record]) -> Vec<Table> {
         tables.push(table(
             format!("The least that stands, {step}"),
             format!(
-                "Least milliseconds a step with which everything stands for {seconds} s under all seeds, with (so many iterations), and the drift \
-                 there in mm."
+                "Least milliseconds a step with which everything stands for {seconds} s under all seeds, with (so many iterations), and \
+                 the drift there in mm."
             ),
             &cases,
             least,

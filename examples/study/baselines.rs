@@ -76,10 +76,10 @@ pub fn table(records: &[Record], bar: &ProgressBar) -> Table {
     Table {
         title: format!("Baselines, {}", crate::cases::time_step(dt)),
         note: format!(
-            "Each method with the most iterations that cost no more than the default's on {WALL} (or the fewest, if even those cost more), and \
-             with its own. Time, drift and sag are those of {WALL}. Slopes are the steepest ones on which a cube, a block of 1 × 2 m and a \
-             column of five cubes stand for 5 s, to 0.06°, beside those of statics; a dash if it is not within {RANGE}°. A hop is how far any \
-             body rises above its lowest place after cubes fell from {} or {} m on a stack of five; 0 is right.",
+            "Each method with the most iterations that cost no more than the default's on {WALL} (or the fewest, if even those cost \
+             more), and with its own. Time, drift and sag are those of {WALL}. Slopes are the steepest ones on which a cube, a block of \
+             1 × 2 m and a column of five cubes stand for 5 s, to 0.06°, beside those of statics; a dash if it is not within {RANGE}°. A \
+             hop is how far any body rises above its lowest place after cubes fell from {} or {} m on a stack of five; 0 is right.",
             HEIGHTS[0], HEIGHTS[1]
         ),
         columns: columns.into_iter().chain(slopes).chain(hops).collect(),

@@ -94,7 +94,8 @@ pub fn questions() -> Vec<Question> {
     vec![
         Question {
             title: "Which classifier? NNCG",
-            note: "Drift in mm after 60 s: NNCG 75, persistent anchors, Δt 0.1. The slab's is its way down a slope just below the critical 26.57°.",
+            note: "Drift in mm after 60 s: NNCG 75, persistent anchors, Δt 0.1. The slab's is its way down a slope just below the \
+                critical 26.57°.",
             rules: CLASSIFIERS,
             columns: nncg(),
         },
@@ -118,8 +119,8 @@ pub fn questions() -> Vec<Question> {
         },
         Question {
             title: "Is rolling told from sliding?",
-            note: "A sphere that rolls at 1 m/s: its speed after 5 s. A slab that slides at 3 m/s: its way; v²/(2 μ g) is 0.917 m, in steps of 0.1 s \
-                v Δt/2 less: 0.767 m. NNCG 75, Soft Step.",
+            note: "A sphere that rolls at 1 m/s: its speed after 5 s. A slab that slides at 3 m/s: its way; v²/(2 μ g) is 0.917 m, in \
+                steps of 0.1 s v Δt/2 less: 0.767 m. NNCG 75, Soft Step.",
             rules: ANCHORS,
             columns: moving.into_iter().flatten().collect(),
         },

@@ -26,11 +26,12 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// | forces | `ExternalForce`, `ExternalImpulse`, `Damping` (if there is less), `GravityScale`, `Grab`, `Hand` |
 /// | its shape | `Collider`, `ColliderOf` and `CompoundCollider` (colliders on children), `ColliderDisabled`, `Sensor` |
 /// | its mass | `Density`, `Mass`, `AngularInertia`, `CenterOfMass` |
-/// | its surface, and what it collides with | `Friction`, `Restitution`, `RollingFriction`, `SurfaceVelocity`, `CollisionLayers`, `CollisionExceptions`, `ActiveContactHooks`, the resource `ContactHooks` |
+/// | its surface | `Friction`, `Restitution`, `RollingFriction`, `SurfaceVelocity` |
+/// | what it collides with | `CollisionLayers`, `CollisionExceptions`, `ActiveContactHooks`, the resource `ContactHooks` |
 /// | how it is solved | `LockedAxes`, `Dominance`, `MaxLinearSpeed`, `MaxAngularSpeed`, `SolverEffort` |
 /// | whether a body beside it takes part | `RigidBodyDisabled`, `Disabled`, `Quarantined`; it is despawned |
-/// | joints | every [type of joint](crate::joint), `BreakForce`, `JointDisabled`, `Mortar`, `MortarJoint` |
-/// | settings, for all bodies | `Gravity`, `SolverSettings`, `StabilizationSettings`, `NarrowphaseSettings`, `SleepSettings`, `SpeedLimits` |
+/// | joints | all [types of joints](crate::joint), `BreakForce`, `JointDisabled`, `Mortar`, `MortarJoint` |
+/// | settings, for all bodies | all [settings](crate::settings) but threads and time |
 ///
 /// Bodies that awake ones touch wake as [`Waking`](crate::settings::Waking) says. Edits of the [contacts](crate::contact::ContactPair) of
 /// two sleeping bodies take effect when one of them wakes. Nobody notices a write that bypasses Bevy's change detection, or a change of

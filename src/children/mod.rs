@@ -54,7 +54,7 @@
 //! |---|---|---|
 //! | [`Density`](crate::body::Density) | density of the part | density of the body |
 //! | [`Mass`](crate::body::Mass) | mass of the part | from its density |
-//! | [`Friction`](crate::collider::Friction), [`Restitution`](crate::collider::Restitution), [`RollingFriction`](crate::collider::RollingFriction) | surface of the part | those of the body |
+//! | [`Friction`], [`Restitution`], [`RollingFriction`] | surface of the part | those of the body |
 //! | [`CollisionLayers`](crate::collider::CollisionLayers) | layers of the part | those of the body |
 //! | [`Sensor`](crate::sensor::Sensor) | it detects bodies and touches nothing; it has no mass | |
 //!
@@ -70,9 +70,17 @@
 //!
 //! | moved | dynamic bodies below | others below |
 //! |---|---|---|
-//! | a kinematic body | stay where they are; the body moves by its velocity, and friction takes along what lies on it | kinematic ones move by a velocity as well, static ones at once |
-//! | a kinematic body with [`Teleport`](crate::body::Teleport), or faster than [`SpeedLimits`](crate::settings::SpeedLimits) allow | are moved at once with it | so are all |
-//! | a static or dynamic body, or an entity that is no body | are moved at once with it | static ones too; kinematic ones move by a velocity |
+//! | a kinematic body | stay where they are | kinematic ones move by a velocity, static ones at once |
+//! | a kinematic body with [`Teleport`], or faster than [`SpeedLimits`] allow | are moved at once with it | so are all |
+//! | a static or dynamic body, or an entity that is no body | are moved at once with it | static ones too; kinematic ones by a velocity |
+//!
+//! A kinematic body itself moves by its velocity, and friction takes along what lies on it.
+//!
+//! [`Friction`]: crate::collider::Friction
+//! [`Restitution`]: crate::collider::Restitution
+//! [`RollingFriction`]: crate::collider::RollingFriction
+//! [`SpeedLimits`]: crate::settings::SpeedLimits
+//! [`Teleport`]: crate::body::Teleport
 //!
 //! So a ship on whose deck things slide, stand and fall is a kinematic body at the top of its hierarchy. A node above both a kinematic deck
 //! and dynamic bodies would move these at once, and the deck would push them on by friction: move the deck instead, or take the bodies out

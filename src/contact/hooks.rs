@@ -8,13 +8,14 @@ use glam::Vec3;
 use std::fmt;
 use std::sync::Arc;
 
-/// Decides about contacts. It is called for pairs in which a body has [`ActiveContactHooks`], in every step in which the pair is active.
+/// Decides about contacts. It is called for pairs in which a body has [`ActiveContactHooks`](super::ActiveContactHooks), in every step in
+/// which the pair is active.
 ///
 /// Two worlds agree bit by bit only if a hook's answer depends on its arguments and on its own data alone. It must not rely on the order of
 /// calls, and several [threads](crate::settings::PhysicsThreads) may call it at the same time, for different pairs. To give it data of the
 /// game, replace the resource [`ContactHooks`] when the data change: this wakes the bodies whose contacts it decides about. Data that it
 /// shares through an `Arc` may change without that, and sleeping bodies do not notice. Previews call it too, for copies that have the
-/// numbers of their originals ([`ActiveContactHooks::user_data`]) and other entities.
+/// numbers of their originals ([`ActiveContactHooks::user_data`](super::ActiveContactHooks::user_data)) and other entities.
 pub trait ContactHook: Send + Sync + 'static {
     /// Returns false for a pair that has no contact now. It is called whenever the boxes of the two bodies overlap.
     fn filter_pair(&self, _bodies: [&BodyState; 2]) -> bool {
@@ -162,8 +163,8 @@ impl<'a> ContactModification<'a> {
         self.kept.fill(false);
     }
 
-    /// Makes the body that has [`ActiveContactHooks`] (B, if both have) a one-way platform: other bodies stand on its side that looks in
-    /// this direction (a unit vector, world axes) and pass it from the other side.
+    /// Makes the body that has [`ActiveContactHooks`](super::ActiveContactHooks) (B, if both have) a one-way platform: other bodies stand
+    /// on its side that looks in this direction (a unit vector, world axes) and pass it from the other side.
     ///
     /// A contact counts if the two pressed on each other in the last step, or if the surfaces overlap by no more than they approach each
     /// other in one step, against the direction.

@@ -695,7 +695,8 @@ fn an_edit_is_undone_as_a_whole_after_things_have_fallen() {
 }
 
 #[test]
-#[ignore = "missed by one brick: 19.5 mm; it was 9.9 before friction kept its anchors, and 10.7 after a change of another constant by 0.1 %"]
+#[ignore = "missed by one brick: 19.5 mm; it was 9.9 before friction kept its anchors, and 10.7 after a change of another constant by \
+    0.1 %"]
 fn bricks_put_back_after_a_fall_stand_within_a_centimetre() {
     let off = undone_after_things_have_fallen();
     assert!(off < 0.01, "{off} m");

@@ -21,7 +21,8 @@ fn check(play: Play) -> Played {
         swing,
     } = played;
     println!(
-        "{} × {}, seed {}: moved by {:.2} mm, its top course by {:.2}; momentum {momentum:.0} N·s of {thrown:.0} thrown, a swing of {swing:.2}",
+        "{} × {}, seed {}: moved by {:.2} mm, its top course by {:.2}; momentum {momentum:.0} N·s of {thrown:.0} thrown, a swing of \
+         {swing:.2}",
         play.columns,
         play.courses,
         play.seed,

@@ -88,7 +88,8 @@ rows! {
         shipped at SIXTIETH;
     row_12_a_disk_slides_and_spins_until_both_end: disk_slides_and_spins,
         exact at SIXTIETH, ignore = "missed: the pressure of the disk is not uniform, and the ratio of the cylinder does not stay";
-        shipped at SIXTIETH, ignore = "missed: the pressure of the disk is not uniform; the cylinder spins half as long as it slides, because a patch limits force and twist apart";
+        shipped at SIXTIETH, ignore = "missed: the pressure of the disk is not uniform; the cylinder spins half as long as it slides, \
+            because a patch limits force and twist apart";
     row_13_a_pure_spin_slows_by_friction_at_its_feet: spin_slows,
         exact at STEPS;
         shipped at STEPS;

@@ -232,7 +232,10 @@ proptest! {
             // Rounding is relative to the largest changes that met in a body.
             let size = solved.contacts.iter().zip(&graph.contacts).map(|(c, input)| {
                 let [a, b] = c.bodies.map(|i| &graph.bodies[i as usize]);
-                let turn = |b: &Body| b.inverse_inertia.col(0).length().max(b.inverse_inertia.col(1).length()).max(b.inverse_inertia.col(2).length());
+                let turn = |b: &Body| {
+                    let column = |i| b.inverse_inertia.col(i).length();
+                    column(0).max(column(1)).max(column(2))
+                };
                 (c.impulse.length() + input.impulse_normal) * (a.inverse_mass + b.inverse_mass + turn(a) + turn(b))
             }).fold(10.0, f32::max);
             for (found, expected) in solved.bodies.iter().zip(&expected) {

@@ -308,7 +308,8 @@ fn friction_stays_inside_its_cone_and_fills_it_where_something_slides() {
 }
 
 #[test]
-#[ignore = "missed over whole steps: 255 cones between bricks that hardly touch, which is 6e-9 of a weight; the sweep that ends a step is inside"]
+#[ignore = "missed over whole steps: 255 cones between bricks that hardly touch, which is 6e-9 of a weight; the sweep that ends a step \
+    is inside"]
 fn friction_between_loose_neighbours_stays_inside_its_cone() {
     for scene in ["wall:10x10", "heap:100"] {
         let fullest = fullest_cone(&default(scene));

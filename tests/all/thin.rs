@@ -133,7 +133,8 @@ fn tilted_come_to_rest(size: Vec3) {
 }
 
 #[test]
-#[ignore = "overlap by up to 3.7 cm when they land, and gain 1 % of their energy when they part; so with 24 sweeps a step, where it begins a little otherwise"]
+#[ignore = "overlap by up to 3.7 cm when they land, and gain 1 % of their energy when they part; so with 24 sweeps a step, where it \
+    begins a little otherwise"]
 fn tilted_thin_beams_come_to_rest() {
     tilted_come_to_rest(Vec3::new(10.0, 0.05, 0.05));
 }

@@ -64,7 +64,8 @@ impl fmt::Display for Times {
 }
 
 /// The head of a table of rollbacks.
-pub const HEAD: &str = "| | rollbacks | frames of the longest | mean, ms | of that: load + save + simulate | 99th percentile, ms | longest, ms |\n|---|---|---|---|---|---|---|";
+pub const HEAD: &str = "| | rollbacks | frames of the longest | mean, ms | of that: load + save + simulate | 99th percentile, ms | \
+    longest, ms |\n|---|---|---|---|---|---|---|";
 
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -78,7 +79,8 @@ impl fmt::Display for Outcome {
             let share = 100.0 * traffic.lost as f64 / traffic.packets.max(1) as f64;
             writeln!(
                 f,
-                "player {number}: {} packets sent, {} lost ({share:.1} %), {} bytes a packet; waited {} times in {} frames; frame {} has the checksum {:016x}",
+                "player {number}: {} packets sent, {} lost ({share:.1} %), {} bytes a packet; waited {} times in {} frames; frame {} has \
+                 the checksum {:016x}",
                 traffic.packets,
                 traffic.lost,
                 traffic.bytes / traffic.packets.max(1),

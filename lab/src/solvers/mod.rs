@@ -3,9 +3,10 @@
 //! | solver | source | trait |
 //! |---|---|---|
 //! | [`Avbd`] | Giles, Diaz, Yuksel 2025, "Augmented Vertex Block Descent" | [`PatchSolver`](drystone::solver::PatchSolver) |
-//! | [`Apgd`] | Mazhar, Heyn, Negrut, Tasora 2015, "Using Nesterov's Method to Accelerate Multibody Dynamics with Friction and Contact" | [`PointSolver`](drystone::solver::PointSolver) |
+//! | [`Apgd`] | Mazhar, Heyn, Negrut, Tasora 2015, "Using Nesterov's Method" | [`PointSolver`](drystone::solver::PointSolver) |
 //!
-//! Both are written from the papers, in plain scalar code on one thread. The library's own solvers relax four or eight contacts at once, so
+//! The full title of the second is "Using Nesterov's Method to Accelerate Multibody Dynamics with Friction and Contact". Both are written
+//! from the papers, in plain scalar code on one thread. The library's own solvers relax four or eight contacts at once, so
 //! compare times of equal results with that in mind.
 //!
 //! ```

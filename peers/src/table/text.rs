@@ -15,7 +15,8 @@ pub fn markdown(rows: &[Row], conditions: &str) -> String {
     let all = join(&first.cells, |cell| cell.engine.to_owned());
     let others = join(&first.cells[1..], |cell| cell.engine.to_owned());
     let mut text = format!(
-        "| scene (bodies) | ms a step, {all} | drystone's time over that of {others} | drift, mm | sag, mm | deepest overlap at the end, mm |\n"
+        "| scene (bodies) | ms a step, {all} | drystone's time over that of {others} | drift, mm | sag, mm | deepest overlap at the end, \
+         mm |\n"
     );
     text += &format!("|{}\n", "---|".repeat(6));
     for row in rows {
@@ -86,7 +87,8 @@ pub fn mm(length: f32) -> String {
 /// For tools: a line for each scene and engine.
 pub fn csv(rows: &[Row], run: &RunArguments) -> String {
     let mut text = String::from(
-        "scene,bodies,steps,dt_s,threads,engine,step_ms_median,step_ms_p95,drystone_step_ratio,fell_at_s,drift_m,sag_m,tilt_rad,rms_speed_m_s,overlap_max_m\n",
+        "scene,bodies,steps,dt_s,threads,engine,step_ms_median,step_ms_p95,drystone_step_ratio,fell_at_s,drift_m,sag_m,tilt_rad,\
+         rms_speed_m_s,overlap_max_m\n",
     );
     let (steps, conditions) = (run.course().steps, run.conditions());
     let (dt, threads) = (conditions.dt, conditions.threads);

@@ -24,8 +24,8 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// Marks a collider that has no body above it, and was made a static body for that reason. Also a mesh, height field, triangle or
 /// half-space below a static or kinematic body, which was made a body of that kind.
 ///
-/// If the entity gets a body above it that it can be a part of, it loses its [`RigidBody`] again. Insert a `RigidBody` to make it a body of
-/// its own.
+/// If the entity gets a body above it that it can be a part of, it loses its [`RigidBody`](crate::body::RigidBody) again. Insert a
+/// `RigidBody` to make it a body of its own.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy_reflect",

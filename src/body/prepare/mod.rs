@@ -171,8 +171,8 @@ impl Joining<'_, '_, '_> {
             rules,
             visit,
         } = self;
-        // Bodies without a spawn order were spawned before the plugins were added. They are sorted by index, because `Entity`'s own order is
-        // the reverse of the order of spawning.
+        // Bodies without a spawn order were spawned before the plugins were added. They are sorted by index, because `Entity`'s own order
+        // is the reverse of the order of spawning.
         sort::by_key(&mut joining, |(spawn_order, entity)| {
             (
                 *spawn_order,

@@ -3,7 +3,8 @@
 //!
 //! A sleeping body keeps its contacts, impulses and anchors, so that it continues from the same state when it wakes. It becomes
 //! [inactive](crate::body::Inactive) in the next step. It wakes when the user moves, pushes, holds or changes it, when settings change,
-//! when an awake body hits it or changes what it bears, and when a body that it touched is removed; see [`islands`](crate::graph::islands()).
+//! when an awake body hits it or changes what it bears, and when a body that it touched is removed; see
+//! [`islands`](crate::graph::islands()).
 
 mod drift;
 mod held;

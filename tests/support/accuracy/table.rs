@@ -45,8 +45,8 @@ pub static CASES: [Case; 29] = [
     case(
         "3: slab stops",
         stops,
-        "The point solvers (NNCG, PGS) take a step at once: semi-implicit Euler brakes half a step early, which shortens the way by v Δt/2 (0.25 m at \
-         0.1 s, 4 cm at 1/60 s). Soft Step divides a step into substeps.",
+        "The point solvers (NNCG, PGS) take a step at once: semi-implicit Euler brakes half a step early, which shortens the way by v \
+         Δt/2 (0.25 m at 0.1 s, 4 cm at 1/60 s). Soft Step divides a step into substeps.",
     ),
     case("4: bodies roll", rolls, ""),
     case("4: bodies roll and slip", rollers_slip, ""),
@@ -65,8 +65,8 @@ pub static CASES: [Case; 29] = [
         ..case(
             "11: arch",
             arch_stands,
-            "NNCG and PGS stop after 300 iterations, which at 0.1 s is not enough for an arch of 25. At μ 0.3092, where the range of thicknesses that \
-             stand is narrow, they find none that stands; whether for want of iterations has not been examined.",
+            "NNCG and PGS stop after 300 iterations, which at 0.1 s is not enough for an arch of 25. At μ 0.3092, where the range of \
+             thicknesses that stand is narrow, they find none that stands; whether for want of iterations has not been examined.",
         )
     },
     Case {
@@ -78,25 +78,26 @@ pub static CASES: [Case; 29] = [
         ..case(
             "12: disk and cylinder slide and spin",
             disk_slides_and_spins,
-            "Disk: the formula assumes uniform pressure. Statics does not say how 91 rigid feet share the weight, and each solver finds another answer \
-             (see 13: disk). Cylinder: its manifold has four points on its rim. Under Soft Step a patch has one friction force and one twisting moment, \
-             each with a bound of its own that does not know of the other: sliding takes v/(μ g), spinning ω R/(2 μ g), as if each were alone, and the \
-             ratio is exactly ½. `none`: no ratio stays, or the motion has not ended after 6 s.",
+            "Disk: the formula assumes uniform pressure. Statics does not say how 91 rigid feet share the weight, and each solver finds \
+             another answer (see 13: disk). Cylinder: its manifold has four points on its rim. Under Soft Step a patch has one friction \
+             force and one twisting moment, each with a bound of its own that does not know of the other: sliding takes v/(μ g), \
+             spinning ω R/(2 μ g), as if each were alone, and the ratio is exactly ½. `none`: no ratio stays, or the motion has not \
+             ended after 6 s.",
         )
     },
     case("13: spin slows", spin_slows, ""),
     case(
         "13: disk spins",
         disk_spin_slows,
-        "Uniform pressure is an assumption of the formula, not a consequence of statics. With the pressure that the solver found, the deceleration is \
-         right.",
+        "Uniform pressure is an assumption of the formula, not a consequence of statics. With the pressure that the solver found, the \
+         deceleration is right.",
     ),
     case(
         "14: rocking block",
         rocks,
-        "Housner's formula is that of an impact in no time at the far edge alone. A solver stops the far edge in two steps: in the first so that it \
-             just arrives, in the second altogether. The error falls with the step of NNCG and PGS. Soft Step divides a step into substeps, 720 a second, \
-             and errs about as much as NNCG at steps of that length; why it errs by more at 0.1 s is not known.",
+        "Housner's formula is that of an impact in no time at the far edge alone. A solver stops the far edge in two steps: in the first \
+         so that it just arrives, in the second altogether. The error falls with the step of NNCG and PGS. Soft Step divides a step into \
+         substeps, 720 a second, and errs about as much as NNCG at steps of that length; why it errs by more at 0.1 s is not known.",
     ),
     case(
         "15: jerked base",
@@ -107,8 +108,8 @@ pub static CASES: [Case; 29] = [
     case(
         "17: bounces",
         bounces,
-        "A bounce happens a step early or late, which changes the speed by up to g Δt. Heights are squares of it, and errors add up. The tests assert \
-         it at 1/1000 s.",
+        "A bounce happens a step early or late, which changes the speed by up to g Δt. Heights are squares of it, and errors add up. The \
+         tests assert it at 1/1000 s.",
     ),
     case("18: stack at rest", stack_carries, ""),
     Case {
@@ -129,9 +130,9 @@ pub static CASES: [Case; 29] = [
     case(
         "Hit with friction",
         grazes,
-        "The worst of five phases of a step in which the ball arrives. Soft Step applies restitution after its sweeps, without friction: the part of \
-             the impulse that only this stage adds has none, and where the ball arrives late in the step that is all of it. Without restitution, friction \
-             in the step of the hit is a little low. NNCG and PGS: the contact is solved while the ball is \
+        "The worst of five phases of a step in which the ball arrives. Soft Step applies restitution after its sweeps, without friction: \
+         the part of the impulse that only this stage adds has none, and where the ball arrives late in the step that is all of it. \
+         Without restitution, friction in the step of the hit is a little low. NNCG and PGS: the contact is solved while the ball is \
              still up to v Δt away, and its lever arm is longer than the radius by that.",
     ),
     Case {
@@ -140,8 +141,8 @@ pub static CASES: [Case; 29] = [
         ..case(
             "Impact on a stack",
             impacts,
-            "The reference is the same solver at 1/1920 s. The ball at the foot of a column is a hit with friction on many contacts at once, whose \
-             outcome the laws of rigid bodies do not determine: Soft Step and the point solvers converge to different values.",
+            "The reference is the same solver at 1/1920 s. The ball at the foot of a column is a hit with friction on many contacts at \
+             once, whose outcome the laws of rigid bodies do not determine: Soft Step and the point solvers converge to different values.",
         )
     },
     Case {
@@ -149,8 +150,9 @@ pub static CASES: [Case; 29] = [
         ..case(
             "Chain in a catenary",
             chain_hangs,
-            "NNCG and PGS are solvers of contacts; they solve joints by sweeps, and a chain under tension stretches without end. Joints are for Soft \
-             Step, which solves them directly: the depth is met at every step. At 0.1 s the pull of one chain swings, and its mean over a second is off.",
+            "NNCG and PGS are solvers of contacts; they solve joints by sweeps, and a chain under tension stretches without end. Joints \
+             are for Soft Step, which solves them directly: the depth is met at every step. At 0.1 s the pull of one chain swings, and \
+             its mean over a second is off.",
         )
     },
     case(

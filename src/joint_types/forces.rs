@@ -46,14 +46,14 @@ pub struct JointForces {
 }
 
 impl JointForces {
-    /// The angle of a [`RevoluteJoint`](crate::joint::RevoluteJoint) or the twist of a [`SphericalJoint`](crate::joint::SphericalJoint) at the end of the
-    /// last step, rad, with all its turns. See [`angles`](Self::angles).
+    /// The angle of a [`RevoluteJoint`](crate::joint::RevoluteJoint) or the twist of a [`SphericalJoint`](crate::joint::SphericalJoint) at
+    /// the end of the last step, rad, with all its turns. See [`angles`](Self::angles).
     pub fn angle(&self) -> Option<f32> {
         self.angles.map(|angles| angles.x)
     }
 
-    /// The rotation of a [`GenericJoint`](crate::joint::GenericJoint) about its three axes at the end of the last step, rad. The angle that counts
-    /// turns comes with all of them, the others are zero then.
+    /// The rotation of a [`GenericJoint`](crate::joint::GenericJoint) about its three axes at the end of the last step, rad. The angle that
+    /// counts turns comes with all of them, the others are zero then.
     ///
     /// `None` before the first step, and of joints whose rotations are all locked, or free about several axes without a limit, motor or
     /// spring. A disabled joint keeps its angles; so it knows its turns when it acts again.

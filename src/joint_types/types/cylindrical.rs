@@ -10,7 +10,8 @@ use glam::Vec3;
 joint_type! {
     /// A bar in a sleeve: body 2 slides along one axis of body 1 and turns about it. For bolts, pistons, lances, revolving lifts.
     ///
-    /// The position is that of the anchor of body 2 along the axis, from the anchor of body 1, m; the angle is that of body 2 about it, rad.
+    /// The position is that of the anchor of body 2 along the axis, from the anchor of body 1, m; the angle is that of body 2 about it,
+    /// rad.
     ///
     /// ```
     /// use bevy_transform::components::Transform;

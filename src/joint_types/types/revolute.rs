@@ -12,7 +12,8 @@ joint_type! {
     ///
     /// The angle is that of body 2 relative to body 1 about the hinge axis, right-handed, rad. It is zero where the two frames agree: with
     /// frames that are not given, as the bodies are when the joint is added. It counts turns: limits and targets may lie many turns away.
-    /// [`JointForces::angle`](crate::joint::JointForces::angle) tells it. A joint begins with the angle from −π to π, or with the one in its limits if that is not.
+    /// [`JointForces::angle`](crate::joint::JointForces::angle) tells it. A joint begins with the angle from −π to π, or with the one in
+    /// its limits if that is not.
     ///
     /// ```
     /// use bevy_transform::components::Transform;

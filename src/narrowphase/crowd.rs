@@ -1,8 +1,8 @@
 //! Crowds: bodies that overlap so many others that no solver could part all of them at once.
 //!
 //! A thousand bricks in one cubic metre meet in half a million pairs. A body can follow only a few of its contacts: when it has left the
-//! deepest one, the others have changed. A pair therefore has contacts only while it is among the [`MAX_DEEP_PAIRS`] deepest pairs of one of its two
-//! bodies. The other pairs have none, and are checked again some steps later.
+//! deepest one, the others have changed. A pair therefore has contacts only while it is among the [`MAX_DEEP_PAIRS`] deepest pairs of one
+//! of its two bodies. The other pairs have none, and are checked again some steps later.
 //!
 //! Only overlaps deeper than those in any structure count, so that bodies on a large floor or in a bowl are not a crowd.
 

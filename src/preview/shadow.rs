@@ -23,9 +23,9 @@ const REST_TIME: f32 = 0.25;
 /// accelerate faster than a tipping body does.
 const SPEED_SHARE: f32 = 0.4;
 
-/// Before the time [`REST_TIME`] has passed, the full share [`SPEED_SHARE`] holds for a body whose speed is below this multiple of that in the
-/// step before: it comes to rest, because a body that begins to fall gains speed. The springs of contacts that were unloaded push bodies
-/// away with some mm/s, and a quarter less in each step.
+/// Before the time [`REST_TIME`] has passed, the full share [`SPEED_SHARE`] holds for a body whose speed is below this multiple of that in
+/// the step before: it comes to rest, because a body that begins to fall gains speed. The springs of contacts that were unloaded push
+/// bodies away with some mm/s, and a quarter less in each step.
 const SLOWING_FACTOR: f32 = 0.9;
 
 /// No world counts as at rest before this time, s: two steps at 60 Hz. In a shorter time nothing gets fast enough to be told from what

@@ -5,8 +5,8 @@
 //! - A push on a static or kinematic body is backed, and so is one on a sleeping body, which is solved as a static one.
 //! - A push on another body is backed if the normals of contacts, through which pushes are backed in turn, add up to one against it.
 //!
-//! Coefficients of friction do not matter: a push counts as backed up to an angle of [45°](MAX_REMAINING_SQUARE) with the normals, where half of it is
-//! against the contacts and half past them. So the floor backs a push from above, but not one along the floor.
+//! Coefficients of friction do not matter: a push counts as backed up to an angle of [45°](MAX_REMAINING_SQUARE) with the normals, where
+//! half of it is against the contacts and half past them. So the floor backs a push from above, but not one along the floor.
 //!
 //! The search starts at contacts with static bodies and goes from body to body, so it passes each contact once in each direction.
 

@@ -19,8 +19,8 @@ const SMALL_AREA_SHARE: f64 = 0.05;
 /// A corner that is deeper than all others by this share of the polygon's width (the root of its area) stays.
 const DEEP_CORNER_SHARE: f64 = 0.005;
 
-/// For a corner that existed in the last step, [`DEEP_CORNER_SHARE`] is multiplied by this. A body whose supporting point is removed would sink, rise,
-/// and rock for ever.
+/// For a corner that existed in the last step, [`DEEP_CORNER_SHARE`] is multiplied by this. A body whose supporting point is removed would
+/// sink, rise, and rock for ever.
 const LOADED_CORNER_FACTOR: f64 = 0.1;
 
 /// Maximum number of corners of the intersection of two quadrilaterals. Only polygons with more corners are improved after the reduction.

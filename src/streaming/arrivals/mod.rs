@@ -106,8 +106,8 @@ pub fn any_arrivals(arrivals: Res<Arrivals>) -> bool {
 /// Number of pairs whose contacts are found at a time by each thread. They pass through several lists, which stay in the caches.
 const PAIRS_PER_PORTION: usize = 1 << 13;
 
-/// On several threads a portion has at least so many times [`PAIRS_PER_PORTION`] pairs. A group is not divided among threads, so with few groups in a
-/// portion some threads would wait for others at its end.
+/// On several threads a portion has at least so many times [`PAIRS_PER_PORTION`] pairs. A group is not divided among threads, so with few
+/// groups in a portion some threads would wait for others at its end.
 const PORTIONS_PER_THREAD: usize = 8;
 
 /// Takes up the bodies; a part of the stage *prepare*.

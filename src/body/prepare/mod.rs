@@ -152,7 +152,7 @@ pub fn prepare(
 struct Joining<'a, 'w, 's> {
     commands: &'a mut Commands<'w, 's>,
     table: &'a mut BodyTable,
-    suspects: &'a mut Suspects,
+    suspects: &'a mut FoundProblems,
     rules: &'a Rules<'a>,
     visit: u64,
 }

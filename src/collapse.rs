@@ -215,7 +215,7 @@ pub struct Structures {
     last: u64,
     /// s
     now: f64,
-    /// Who was pulled out of each, and when.
+    /// The bodies that were pulled out of each, and when.
     #[cfg_attr(
         feature = "serde",
         serde(serialize_with = "crate::stored::written::sorted")

@@ -1,5 +1,5 @@
 //! Components by their identifiers, and resources, for code that runs rarely. Bevy compiles some thousands of lines for each query, and
-//! some hundreds for each type of a command. What takes an identifier is compiled once.
+//! some hundreds for each type of a command. Code that takes an identifier is compiled once.
 
 use crate::solver::sort;
 use bevy_ecs::archetype::{Archetype, ArchetypeEntity, Archetypes};

@@ -175,7 +175,7 @@ fn stretched(angular: DVec3, dt: f32) -> f64 {
 }
 
 /// The rotation over Δt of a body that contacts have turned with the mean velocity `motion`, and its angular velocity then,
-/// world axes. What its own spin does to it comes first, as if it were free; what contacts did turns it further.
+/// world axes. The gyroscopic change comes first, as if the body were free; the changes by contacts turn it further.
 fn carried(
     mass: &MassProperties,
     rotation: Quat,

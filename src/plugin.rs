@@ -512,7 +512,7 @@ impl Plugin for RefreshPlugin {
             )
             .add_systems(
                 PreUpdate,
-                // Who edits in the same schedule and wants it seen at once has to be put before the set.
+                // A system that edits in the same schedule and wants its edits seen at once must run before the set.
                 refresh
                     .run_if(time_stands_still)
                     .in_set(RefreshSystems)

@@ -117,7 +117,7 @@ impl StepMessages {
     }
 }
 
-/// What is done before and after the stages of every step, while the world is recorded.
+/// Functions that run before and after the stages of every step, while the world is recorded.
 #[cfg(feature = "serde")]
 #[derive(Resource, Clone, Copy)]
 #[component(clone_behavior = Ignore)]

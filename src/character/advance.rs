@@ -219,7 +219,7 @@ impl Character {
 
 impl CharacterState {
     /// Whether a character that falls lands on what it comes down on, in a step of `dt` s in which gravity pulls it down at `pull`, m/s².
-    /// What falls with it is no ground.
+    /// Bodies that fall with it are no ground.
     fn lands(
         &self,
         world: &SpatialQuery,
@@ -237,7 +237,7 @@ impl CharacterState {
         rises.dot(up) < most
     }
 
-    /// What it ran into takes the part of its velocity that led there.
+    /// Obstacles that it ran into take the part of its velocity that led there.
     fn hit(&mut self, world: &SpatialQuery, hits: &[CharacterHit]) {
         for hit in hits {
             let into = self.fall - world.went(hit.entity, hit.point);

@@ -35,7 +35,7 @@ impl CharacterState {
         let Pose { position, rotation } = self.ground_pose;
         let mut turn = now.rotation * rotation.inverse();
         let mut way = turn * (from - position) + now.position - from;
-        // What rests must not be moved by rounding, and a static body carries nothing.
+        // Rounding must not move a character at rest, and a static body carries nothing along.
         if now == self.ground_pose || body.kind == RigidBody::Static {
             (turn, way) = (Quat::IDENTITY, Vec3::ZERO);
         }
@@ -51,7 +51,7 @@ impl CharacterState {
     /// Whether the character leaves its ground, which falls away: it goes up at `now` (m/s) after a step of `dt` s, while gravity pulls the
     /// character down at `gravity` (m/s²). It stays on ground that drops for a moment, from which it would rise by no more than `reach`, m.
     pub(super) fn leaves(&mut self, up: Vec3, now: f32, gravity: f32, reach: f32, dt: f32) -> bool {
-        /// What falls freely carries nothing, but rounding must not decide.
+        /// A body that falls freely carries nothing, but rounding must not decide.
         const FREE_FALL_SHARE: f32 = 0.95;
         /// Time after which it leaves, s, and the number of steps.
         const LEAVING_TIME: f32 = 0.05;

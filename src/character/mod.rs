@@ -146,7 +146,7 @@ impl Default for Character {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(map_entities)]
 pub struct CharacterState {
-    /// What it stands on, if it stands.
+    /// Its ground, if it stands.
     pub ground: Option<Ground>,
     /// Its velocity in the last step, m/s, world.
     pub velocity: Vec3,

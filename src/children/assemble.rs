@@ -51,7 +51,7 @@ pub struct Searches {
     nodes: QueryState<Entity, MovedNodes>,
 }
 
-/// What marks a part.
+/// The components that mark a part.
 const PART_MARKERS: &[FindId] = &[Components::component_id::<ColliderOf>];
 
 /// Finds the bodies whose parts or scale have changed, and makes their [`CompoundCollider`] anew. Makes colliders without a body static.
@@ -107,8 +107,8 @@ fn known_scale(known: Option<&CompoundCollider>) -> Vec3 {
     known.map_or(Vec3::ONE, CompoundCollider::scale)
 }
 
-/// Finds the bodies that the colliders at and below an entity belonged to and belong to, and those that belong to none. What was seen
-/// already is left out: a body is marked once for each of its parts.
+/// Finds the bodies that the colliders at and below an entity belonged to and belong to, and those that belong to none. Entities that
+/// were visited already are left out: a body is marked once for each of its parts.
 fn visit(
     world: &World,
     root: Entity,

@@ -65,8 +65,8 @@
 //! # Bodies below bodies
 //!
 //! A body below another one is a body of its own, and lives in the world. Its `Transform` is in the frame of its parent, and each step
-//! writes it anew, so that the parent's motion does not take the body along: contacts and joints do. What becomes of a body when an entity
-//! above it is moved by its `Transform` depends on both:
+//! writes it anew, so that the parent's motion does not take the body along: contacts and joints do. If an entity above a body is moved by its
+//! `Transform`, the effect depends on both:
 //!
 //! | moved | dynamic bodies below | others below |
 //! |---|---|---|
@@ -84,7 +84,7 @@
 //!
 //! So a ship on whose deck things slide, stand and fall is a kinematic body at the top of its hierarchy. A node above both a kinematic deck
 //! and dynamic bodies would move these at once, and the deck would push them on by friction: move the deck instead, or take the bodies out
-//! of the hierarchy. What shall be fixed to its parent is a collider without a `RigidBody`, or has a
+//! of the hierarchy. To fix a child to its parent, use a collider without a `RigidBody`, or a
 //! [`FixedJoint`](crate::joint::FixedJoint).
 //!
 //! # Other colliders

@@ -36,7 +36,7 @@ pub(crate) fn child_left(left: On<Remove<ChildOf>>, mut world: DeferredWorld) {
     }
 }
 
-/// Observer: an entity was enabled again. What was written while it was disabled has not been noticed.
+/// Observer: an entity was enabled again. Changes while it was disabled have not been noticed.
 pub(crate) fn child_enabled(enabled: On<Remove<Disabled>>, mut world: DeferredWorld) {
     let entity = world.entity(enabled.entity);
     let is_part = entity.contains::<Collider>() && !entity.contains::<RigidBody>();

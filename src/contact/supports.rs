@@ -1,7 +1,7 @@
 //! Supports: [`Supports`], a system parameter that tells which bodies support which.
 //!
 //! A body supports another if the total force over all their faces pushes the other against gravity by more than a thousandth of its
-//! weight. So does a body that another hangs on by a [joint](crate::joint). What hangs on the world is supported by the joint. This is
+//! weight. So does a body that another hangs on by a [joint](crate::joint). A body that hangs on the world is supported by the joint. This is
 //! computed from the forces of the last step ([`Contacts`]). Nothing is simulated, so it does not predict what happens when a support is
 //! removed: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) for that.
 //!
@@ -349,7 +349,7 @@ fn from_the_top(
     for bearing in path {
         *uppers.entry(bearing.below).or_default() += 1;
     }
-    // What comes back to the body at the top is a circle, too.
+    // A path that comes back to the body at the top is a circle, too.
     let (mut order, mut circles) = (Vec::new(), uppers.contains_key(&top));
     let mut taken = EntityHashSet::default();
     let mut next = VecDeque::from([top]);

@@ -49,7 +49,7 @@ pub(super) fn joints(
         }
         gizmos.line(center, one, HELD);
         gizmos.line(far, other, HELD);
-        // What a joint lets through, or does not hold.
+        // The part of a motion that a joint leaves free.
         gizmos.line(one, other, APART);
         if let Some(angle) = edge.definition.swing {
             cone(one, frame, angle, |[a, b]| gizmos.line(a, b, LIMIT));

@@ -60,7 +60,7 @@ pub struct Islands {
     pub(super) accounts: Accounts,
     /// The time since small changes of these forces were last followed, s.
     pub(super) unfollowed: f32,
-    /// What is known of the drift of bodies that are still, by slot.
+    /// The drift of bodies that are still, by slot.
     pub(super) drifts: Drifts,
 }
 
@@ -126,7 +126,7 @@ impl MapEntities for Islands {
     }
 }
 
-/// What has changed since the stage last began, for data that is edited and not derived anew.
+/// The changes since the stage last began, for data that is edited and not derived anew.
 #[derive(Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Recent {
@@ -230,7 +230,7 @@ impl Islands {
         self.revision
     }
 
-    /// What has changed since the stage last began.
+    /// The changes since the stage last began.
     pub(crate) fn recent(&self) -> &Recent {
         &self.recent
     }

@@ -21,7 +21,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 
-/// What is to be done with a joint.
+/// The action that a joint needs.
 enum Finding {
     /// It takes part: its bodies are in these slots.
     Ready(Box<JointDefinition>, [u32; 2]),

@@ -1,4 +1,4 @@
-//! What all joint types are made of: bodies, frames, and what acts on the coordinates of body 2 relative to body 1.
+//! The definition that all joint types share: bodies, frames, and limits, motors and friction of the coordinates of body 2 relative to body 1.
 
 use super::{JointFrame, JointProblem};
 use crate::body::limits;
@@ -49,7 +49,7 @@ pub(crate) struct JointDefinition {
     pub section: Option<Section>,
 }
 
-/// What acts on the distance of the anchors.
+/// The limits or the spring of the distance of the anchors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Distance {
@@ -151,7 +151,7 @@ impl JointDefinition {
         self.distance.is_some()
     }
 
-    /// What acts on the distance; nothing before the joint has taken its length.
+    /// The limits of the distance; none before the joint has taken its length.
     pub fn distance_axis(&self) -> Option<JointAxis> {
         match self.distance? {
             Distance::Axis(axis) => {

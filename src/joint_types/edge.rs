@@ -27,7 +27,7 @@ pub struct JointEdge {
     /// The joint's own number in the order of spawning.
     pub(crate) order: SpawnOrder,
     pub(crate) definition: JointDefinition,
-    /// What breaks it, so that a change of that wakes its bodies.
+    /// Its strength, a change of which wakes its bodies.
     pub(crate) breaks: Option<BreakForce>,
 }
 

@@ -34,7 +34,7 @@ pub struct JointForces {
     pub filtered_force: f32,
     /// The largest magnitude of the torque, N·m, filtered as the force is.
     pub filtered_torque: f32,
-    /// What the next solve starts from: the forces along and torques about the coordinates, N and N·m.
+    /// The start of the next solve: the forces along and torques about the coordinates, N and N·m.
     pub(crate) start: [f32; COORDINATES],
     /// Force and torque in the axes of the frame on body 1, filtered, N and N·m.
     pub(crate) filtered: [Vec3; 2],

@@ -82,7 +82,7 @@ struct Context<'a> {
     first: bool,
 }
 
-/// What others learn of a pair.
+/// The data of a pair that hooks and moving surfaces read.
 #[derive(Default)]
 struct Modified {
     /// The velocity that friction demands, m/s, if it is not zero.
@@ -130,7 +130,7 @@ impl Context<'_> {
         let moves = velocity != Vec3::ZERO && limits::within(velocity, limits::SPEED);
         let velocity = moves.then_some(velocity);
         if velocity != before.get(pair.edge) {
-            // What was anchored slides from now on, or the other way round.
+            // Anchored contacts slide from now on, or the other way round.
             anchors.bypass_change_detection().measured = None;
             changed = true;
         }

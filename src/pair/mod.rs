@@ -81,7 +81,7 @@ pub struct ContactPair {
     pub rolling_radius: f32,
     /// Whether some point is inside the collision envelope.
     pub touching: bool,
-    /// What the stages have to do for the pair.
+    /// The work of the stages for the pair.
     #[cfg_attr(feature = "bevy_reflect", reflect(ignore))]
     pub(crate) state: PairState,
     /// Changes when contacts are detected anew, not recycled, and when the user edits the pair. See [`revision`](crate::revision).
@@ -219,7 +219,7 @@ impl PairFlags {
     }
 }
 
-/// What the stages have to do for a pair. The narrowphase sets it in every step.
+/// The work of the stages for a pair. The narrowphase sets it in every step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum PairState {

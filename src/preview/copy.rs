@@ -27,7 +27,7 @@ pub(super) struct OriginalState {
     pub poses: HashMap<Entity, (Pose, bool)>,
     /// The forces with which sleeping bodies fell asleep, where they are on record.
     pub accounts: HashMap<Entity, Wrench>,
-    /// What was seen of bodies that are still.
+    /// Earlier velocities of bodies that are still.
     pub drifts: HashMap<Entity, Drift>,
     /// Bodies that lost a contact because a body was removed since the last step.
     pub bereft: Vec<Entity>,

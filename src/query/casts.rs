@@ -39,7 +39,7 @@ struct Cast<'a> {
     max_distance: f32,
     /// Its bounding box at the start.
     aabb: Aabb,
-    /// What it touches at the start.
+    /// Its contacts at the start.
     touches: Touches,
 }
 

@@ -1,6 +1,6 @@
 //! Shapes that touch something where a cast begins.
 //!
-//! What rests overlaps what it rests on by some micrometres, and rounding of positions adds to that. A cast from rest must not be stopped
+//! Bodies at rest overlap those below them by some micrometres, and rounding of positions adds to that. A cast from rest must not be stopped
 //! by this: not by the body below when it goes away from it or along it, and not by the neighbours of that body, whose sides are as much
 //! too high. So a cast asks first what its shape [touches](Touches) at the start. If there is something, it hits only what it comes deeper
 //! into than shapes that touch: what it would overlap as well if it was lifted off what it touches.
@@ -14,7 +14,7 @@ use parry3d::query::{Contact, DefaultQueryDispatcher, QueryDispatcher, Unsupport
 use parry3d::shape::Shape;
 use smallvec::SmallVec;
 
-/// Overlaps and gaps up to this count as touching, m. What rests overlaps by up to 0.02 mm.
+/// Overlaps and gaps up to this count as touching, m. Bodies at rest overlap by up to 0.02 mm.
 const TOUCHING_DISTANCE: f32 = 5e-5;
 
 /// The directions off what a shape touches at the start of a cast.
@@ -67,7 +67,7 @@ impl Touches {
 }
 
 impl SpatialQuery<'_, '_> {
-    /// What a shape at a pose touches.
+    /// The contacts of a shape at a pose.
     pub(super) fn touches(&self, collider: &Collider, at: &Pose, filter: &QueryFilter) -> Touches {
         let mut touches = Touches::at(at.position);
         let reach = touches.reach;

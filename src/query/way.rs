@@ -21,7 +21,7 @@ pub(super) struct Way {
     pub direction: Vec3,
     /// m
     pub max_distance: f32,
-    /// What the shape touches at the start.
+    /// The contacts of the shape at the start.
     pub touches: Touches,
 }
 

@@ -30,7 +30,7 @@ pub(super) const VERSION: u32 = 6;
 /// Length of the head of a chunk.
 const HEAD_LENGTH: usize = 17;
 
-/// What a chunk contains.
+/// The content of a chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Tag {

@@ -1,4 +1,4 @@
-//! What was changed from outside between two steps, as it is written and replayed.
+//! Edits: the changes from outside between two steps, as they are written and replayed.
 //!
 //! Values are recorded, not actions: what every entity that was touched has become, and what hooks have noted for the next step. So a
 //! replay need not repeat the order of the actions, and a value that was written twice is recorded once.
@@ -93,7 +93,7 @@ struct Column {
     values: Values,
 }
 
-/// What was changed between two steps, read from bytes.
+/// The edits between two steps, read from bytes.
 #[derive(Debug)]
 pub(super) struct Edits {
     touched: Touched,

@@ -1,4 +1,4 @@
-//! What recording and replay do with each component on the list of the [state](crate::state).
+//! How recording and replay treat each component on the list of the [state](crate::state).
 
 use crate::body::{new_rows, newer_than};
 use crate::snapshot::bytes::{decode, encode};

@@ -21,11 +21,11 @@ use std::path::PathBuf;
 pub(super) mod flags {
     /// The length of the step follows. It differs from that of the step before.
     pub const LENGTH: u8 = 1;
-    /// What was changed follows, after its length in four bytes.
+    /// The edits follow, after their length in four bytes.
     pub const EDITS: u8 = 2;
     /// A snapshot follows, with what was changed.
     pub const KEY_FRAME: u8 = 4;
-    /// What was changed is in the snapshot alone.
+    /// The edits are in the snapshot alone.
     pub const REPLACED: u8 = 8;
 }
 
@@ -58,7 +58,7 @@ pub struct Recorder {
     state: Option<Box<State>>,
     steps: usize,
     error: Option<RecordingError>,
-    /// What was recorded in memory before the error.
+    /// The recording in memory up to the error.
     rest: Vec<u8>,
 }
 
@@ -122,7 +122,7 @@ impl Recorder {
         self.error.as_ref()
     }
 
-    /// What was recorded up to now, if it is kept in memory. It is of use as a recording at any time: for example in a bug report after a
+    /// The recording up to now, if it is kept in memory. It is of use as a recording at any time: for example in a bug report after a
     /// [`BodyError`](crate::diagnosis::BodyError), or after an [error](Self::error) of the recording.
     pub fn bytes(&self) -> &[u8] {
         match self.state.as_deref() {
@@ -173,7 +173,7 @@ struct State {
     /// Steps since the last snapshot.
     since_key_frame: u32,
     snapshot: Snapshot,
-    /// What was changed before the step.
+    /// The edits before the step.
     edits: Vec<u8>,
     /// The length of the last step, s.
     dt: f32,

@@ -23,7 +23,7 @@ pub struct Recording {
 pub(super) struct Step {
     /// Its length, s.
     pub dt: f32,
-    /// What was changed before it.
+    /// The edits before it.
     pub change: Change,
     /// The state before it, after the changes.
     pub key_frame: Option<Box<Snapshot>>,
@@ -31,7 +31,7 @@ pub(super) struct Step {
     pub digest: Option<Digest>,
 }
 
-/// What was changed before a step.
+/// The edits before a step.
 pub(super) enum Change {
     Nothing,
     Edits(Edits),

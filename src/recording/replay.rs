@@ -195,7 +195,7 @@ impl<'a> Replay<'a> {
             }
         }
         self.go_to(world, nearest)?;
-        // What differed later may not differ again.
+        // Later differences may not occur again.
         self.divergence = self
             .divergence
             .take()

@@ -1,4 +1,4 @@
-//! What recording and replay do with each resource on the list of the [state](crate::state).
+//! How recording and replay treat each resource on the list of the [state](crate::state).
 
 use crate::body::{BodyTable, Noted};
 use crate::joint_types::JointChanges;
@@ -17,7 +17,7 @@ pub(super) struct Resource {
     part: Part,
 }
 
-/// What of a resource is recorded.
+/// The part of a resource that is recorded.
 enum Part {
     All,
     /// Of the table of bodies, hooks write only some lists between two steps.
@@ -30,7 +30,7 @@ enum Part {
 /// How many joints were written, and how many have lost their edge.
 type ChangeCounts = (usize, usize);
 
-/// What was recorded of a resource.
+/// The recorded part of a resource.
 #[derive(Debug)]
 pub(super) enum Value {
     All(Values),

@@ -1,7 +1,7 @@
 //! Finds what was changed from outside since the last step ended.
 //!
 //! Change ticks tell what was written: first those of whole columns (Bevy's summary ticks), then, in columns that have changed, those of
-//! rows. What stages write is older than the tick at the end of the step, so it does not count. An observer notes entities that lost a
+//! rows. Values that stages write are older than the tick at the end of the step, so they do not count. An observer notes entities that lost a
 //! component, because nothing else tells of it. So a step before which nothing was changed costs a look at each column of each table.
 
 use super::edits::{Row, Touched};
@@ -22,7 +22,7 @@ use bevy_ecs::storage::Table;
 use bevy_transform::components::Transform;
 use glam::{Quat, Vec3};
 
-/// What was changed.
+/// The changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Found {
     Nothing,
@@ -183,7 +183,7 @@ impl Watch {
             written.dedup();
         }
         let mut values = Vec::new();
-        // What is written refers to entities that may have to be recorded themselves.
+        // The written values refer to entities that may have to be recorded themselves.
         while self.write_values(world, &mut values)? {}
         self.touched.write(&written, out)?;
         out.append(&mut values);

@@ -1,4 +1,4 @@
-//! What waits of a scene that was loaded, until the stages take it: contacts, contents of sensors, and accounts of sleeping bodies.
+//! Data of a loaded scene that waits until the stages take it: contacts, contents of sensors, and accounts of sleeping bodies.
 //!
 //! The module [`saving`](crate::saving) fills it. Contacts wait until the stage *broadphase* has made their pairs.
 

@@ -1,4 +1,4 @@
-//! What a scene holds of a body, a collider or a joint besides its own components.
+//! Data of a body, a collider or a joint in a scene, besides its own components.
 
 use super::SavedContact;
 use crate::body::SensorOverlap;
@@ -9,7 +9,7 @@ use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 
-/// What must be saved of an entity besides its components: its place in the order of spawning, its contacts, the forces of a joint, the
+/// The data of an entity that is saved besides its components: its place in the order of spawning, its contacts, the forces of a joint, the
 /// contents of a sensor, and the forces with which a body beside awake ones fell asleep. [`prepare`](crate::saving::prepare) inserts it,
 /// and the next step takes it up and removes it, in the world that was saved as in that of the scene.
 #[derive(Component, Clone, Debug, Default)]

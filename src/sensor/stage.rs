@@ -92,7 +92,7 @@ pub fn sensors(
     }
 }
 
-/// What has changed about a sensor.
+/// The changes of a sensor since the last step.
 struct Change {
     /// `None` if the sensor was removed.
     zone: Option<u32>,

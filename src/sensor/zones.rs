@@ -37,7 +37,7 @@ impl Content {
         (self.spawn_order, piece, self.collider.to_bits())
     }
 
-    /// What stays the same if the body gets another slot or the part another number.
+    /// The identity of the zone, which stays the same if the body gets another slot or the part another number.
     pub fn identity(&self) -> (Entity, SpawnOrder, Entity) {
         (self.body, self.spawn_order, self.collider)
     }

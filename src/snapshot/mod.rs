@@ -256,7 +256,7 @@ impl Snapshot {
         let layout = &self.layout;
         let on = On { layout, entities };
         structure::restore(world, &self.columns, on, to, is_same);
-        // What is written from here on has changed since the last step, so far as the next one can tell.
+        // Components that are written from here on count as changed since the last step.
         let now = world.increment_change_tick();
         let known = KnownKinds::of_world(world, &self.columns);
         let target = Target::find(layout, entities, world, &known);

@@ -34,7 +34,7 @@ pub fn normal_target(
 ) -> f32 {
     let u_collision = collision_velocity(restitution, u_n);
     let u_correction = correction_velocity(settings.rest_distance(), d, dt);
-    // A bounce happens where the surfaces meet. What would arrive within the step bounces now, or the speed to bounce with
+    // A bounce happens where the surfaces meet. Bodies that would arrive within the step bounce now, or the speed to bounce with
     // would be lost; what would not may come on, or the envelope would brake it first.
     if u_collision > 0.0 && u_correction < 0.0 {
         return if u_n < u_correction {

@@ -4,21 +4,21 @@ use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use std::fmt::Debug;
 
-/// What a type on the list can do. With the feature `serde` it can also be written to bytes.
+/// The capabilities of a type on the list. With the feature `serde` it can also be written to bytes.
 #[cfg(not(feature = "serde"))]
 pub trait Stored: Clone + Debug {}
 
 #[cfg(not(feature = "serde"))]
 impl<T: Clone + Debug> Stored for T {}
 
-/// What a type on the list can do.
+/// The capabilities of a type on the list.
 #[cfg(feature = "serde")]
 pub trait Stored: Clone + Debug + serde::Serialize + serde::de::DeserializeOwned {}
 
 #[cfg(feature = "serde")]
 impl<T: Clone + Debug + serde::Serialize + serde::de::DeserializeOwned> Stored for T {}
 
-/// What a component or resource on the list is for, so far as code that copies or writes the state must know.
+/// The role of a component or resource on the list, so far as code that copies or writes the state must know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// A component that describes a body. Previews copy it.

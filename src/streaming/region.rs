@@ -1,4 +1,4 @@
-//! What is kept of bodies that are out.
+//! Regions: the data that is kept of bodies that are taken out of the world.
 
 use crate::body::BodyState;
 use crate::pair::{ContactPair, PairParts, Wrench};

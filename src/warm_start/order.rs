@@ -406,7 +406,7 @@ impl Order {
     pub fn take_back(&mut self, contacts: Vec<SolverContact>) {
         let count = contacts.len();
         self.spare = reuse(contacts);
-        // What a large structure needed is given back after it has fallen asleep.
+        // The memory of a large structure is given back after it has fallen asleep.
         if count < self.spare.capacity() / MAX_UNUSED_FACTOR {
             self.spare.shrink_to(count);
             self.rows.shrink_to(count);

@@ -1,7 +1,7 @@
 //! The sort of this crate and of drystone. Lists of plain numbers are sorted by the standard library, which compiles that once.
 //!
 //! The standard library's sorts are compiled anew for every type and every closure, some 1 500 lines of intermediate code each. Here only
-//! keys are sorted, of one type, with the indices of their items; the items then change places. What is left for each type is a loop over
+//! keys are sorted, of one type, with the indices of their items; the items then change places. The code for each type is a loop over
 //! its keys.
 
 use std::cell::Cell;

@@ -4,7 +4,7 @@ use super::{Collider, ColliderError};
 use bevy_mesh::{Indices, Mesh, PrimitiveTopology, VertexAttributeValues};
 use glam::Vec3;
 
-/// What a mesh becomes.
+/// The kind of collider that a mesh becomes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MeshShape {
     /// A surface without an inside, as [`Collider::trimesh`]: for static and kinematic bodies.

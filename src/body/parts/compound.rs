@@ -22,7 +22,7 @@ use std::sync::Arc;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[component(on_remove = crate::body::lost_description, map_entities, clone_behavior = Ignore, summary_tick)]
 pub struct CompoundCollider {
-    /// What it was made from.
+    /// The parts that it was made from.
     #[cfg_attr(feature = "serde", serde(with = "crate::stored::written::shared_list"))]
     pub(crate) sources: Arc<[Part]>,
     pub(crate) kind: RigidBody,

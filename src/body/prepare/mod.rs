@@ -227,7 +227,7 @@ pub struct Rules<'w> {
     ticks: SystemChangeTick,
 }
 
-/// What is read of bodies that were spawned asleep in a [batch](crate::streaming::spawn_asleep).
+/// The components that are read of bodies that were spawned asleep in a [batch](crate::streaming::spawn_asleep).
 pub(crate) type NewBodies = (
     Rules<'static>,
     Query<'static, 'static, Moving<'static>, Simulated>,

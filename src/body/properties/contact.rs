@@ -1,4 +1,4 @@
-//! What a body says about its contacts: whether its events are wanted, and whether hooks are called.
+//! Properties of a body's contacts: whether events are sent, and whether hooks are called.
 
 use crate::body::KeptProperty;
 use bevy_ecs::prelude::*;

@@ -1,4 +1,4 @@
-//! What pushes bodies: forces, impulses, damping, gravity, and grabs.
+//! Pushes on bodies: forces, impulses, damping, gravity, and grabs.
 
 #[expect(
     missing_debug_implementations,

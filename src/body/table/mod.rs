@@ -91,7 +91,7 @@ fn leave(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// What hooks note while the table is not in the world: as long as pairs of bodies that [arrive](crate::streaming::arrive) are spawned,
+/// Notes of hooks while the table is not in the world: as long as pairs of bodies that [arrive](crate::streaming::arrive) are spawned,
 /// whose observers may do anything.
 #[derive(Resource, Default)]
 pub(crate) struct Missed {
@@ -122,7 +122,7 @@ const COORDINATE_ROUNDING: f32 = 1.0 / (1 << 26) as f32;
 /// all sweeps, and cubes under a hundred times their mass that were placed with noise by 14 µm in a minute.
 const MAX_COORDINATE_IN_SIZES: f32 = 64.0;
 
-/// What pushes and brakes a body.
+/// The forces and the damping of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::body) struct Pushes {
@@ -463,7 +463,7 @@ clone_fields!(BodyTable {
     visited_at,
 });
 
-/// What hooks note in a [`BodyTable`] between two steps, when users spawn, change and despawn bodies.
+/// Notes of hooks in a [`BodyTable`] between two steps, when users spawn, change and despawn bodies.
 #[cfg(feature = "serde")]
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Noted {
@@ -641,7 +641,7 @@ impl BodyTable {
         self.visited_at = Some(tick);
     }
 
-    /// What hooks have noted since the last step.
+    /// The notes of hooks since the last step.
     #[cfg(feature = "serde")]
     pub(crate) fn noted(&self) -> Noted {
         Noted {

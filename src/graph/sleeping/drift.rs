@@ -36,7 +36,7 @@ const GROWTH_OVER_THREE: f32 = 1.1;
 /// and its last speed is more than this share of the speed that a body at rest may have.
 const MIN_SPEED_SHARE: f32 = 0.1;
 
-/// What was seen of bodies that are still, by slot.
+/// Earlier velocities of bodies that are still, by slot.
 #[derive(Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::graph) struct Drifts(
@@ -57,7 +57,7 @@ impl Clone for Drifts {
     }
 }
 
-/// What was seen of a body.
+/// Earlier velocities of a body.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Drift {

@@ -12,7 +12,7 @@ use bevy_ecs::system::SystemParam;
 /// Share of its weight with which contacts with friction press on a body that they hold.
 const PRESSING_SHARE: f32 = 0.5;
 
-/// What holds bodies, and what drives them.
+/// The contacts and joints that hold bodies, and the forces that drive them.
 #[derive(SystemParam, Debug)]
 pub struct Holding<'w, 's> {
     graph: Res<'w, ConstraintGraph>,

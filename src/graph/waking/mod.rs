@@ -134,7 +134,7 @@ impl Islands {
         self.accounts.open(slot, forces);
     }
 
-    /// What was seen of a body that is still, if it is.
+    /// The earlier velocities of a body that is still, if it is.
     pub(crate) fn drift(&self, slot: u32) -> Option<Drift> {
         self.drifts.get(slot)
     }

@@ -205,7 +205,7 @@ impl Need<'_, '_, '_> {
         (now.force - then.force).length() + moment
     }
 
-    /// What presses on a body, N: at least its weight.
+    /// Sum of the normal forces on a body, N: at least its weight.
     fn normal_force(&self, body: &BodyState, then: &Wrench) -> f32 {
         let weight = body.mass.mass() * self.gravity.length() * body.gravity_scale.abs();
         then.normal_force.max(weight)

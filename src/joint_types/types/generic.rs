@@ -40,7 +40,7 @@ joint_type! {
     pub struct GenericJoint {
         /// The translations along x, y and z (m, N), then the rotations about x, y and z (rad, N·m).
         pub axes: [JointAxis; 6] = [JointAxis::FREE; 6],
-        /// What acts on the distance of the anchors, m and N. Default: nothing.
+        /// Limits, motor and friction of the distance of the anchors, m and N. Default: none.
         pub distance: Option<JointAxis> = None,
     }
 

@@ -1,4 +1,4 @@
-//! What a character stands on.
+//! The ground of a character.
 
 use super::MoveAndSlide;
 use crate::body::{Pose, collider::Collider};

@@ -1,11 +1,11 @@
 //! Characters: shapes that a game moves itself, that slide along what they meet, climb steps and stand on slopes.
 //!
-//! The component [`Character`](crate::character::Character) does all of this in each step. What is here is for games with rules of their
+//! The component [`Character`](crate::character::Character) does all of this in each step. The methods here are for games with rules of their
 //! own.
 //!
 //! A character is not a dynamic body: it goes where its player wants. [`move_and_slide`](SpatialQuery::move_and_slide) says how far it gets
-//! in one step of the game, and [`ground`](SpatialQuery::ground) what it stands on. Both only ask: they move nothing. What the character
-//! runs into is in the answer, with the impulse by which it [pushes](CharacterHit::push) it.
+//! in one step of the game, and [`ground`](SpatialQuery::ground) what it stands on. Both only ask: they move nothing. The answer has the
+//! obstacles of the character, with the impulse by which it [pushes](CharacterHit::push) each.
 //!
 //! The method is that of most engines: the shape is cast along the way, stops a little before the first obstacle, and goes on along its
 //! surface with what is left. At a wall it looks whether there is a step behind it.
@@ -215,7 +215,7 @@ impl SpatialQuery<'_, '_> {
         })
     }
 
-    /// What a character at a pose stood on before the last step, which may have moved it away.
+    /// The ground of a character at a pose before the last step, which may have moved that ground away.
     fn stood(
         &self,
         collider: &Collider,

@@ -141,7 +141,7 @@ impl<'a, 'w, 's> Walk<'a, 'w, 's> {
             self.note(&hit, rest);
             planes.push(self.plane(hit.normal));
             left = along(rest, &planes);
-            // What would lead back is no way.
+            // A character does not slide against its wanted direction.
             if left.dot(way) < 0.0 {
                 break;
             }

@@ -1,7 +1,7 @@
 //! Which slips are valid.
 //!
-//! `ContactAnchors::measured` refers to the [revision](crate::revision) of the pair, and revisions are not written. What is written instead
-//! is whether they are equal. Without it, all slips would be measured anew after a restore, and some of them would have other bits.
+//! `ContactAnchors::measured` refers to the [revision](crate::revision) of the pair, and revisions are not written. Instead, a snapshot
+//! says whether the two are equal. Without that, all slips would be measured anew after a restore, and some of them would have other bits.
 
 use super::super::Snapshot;
 use super::super::column::Column;

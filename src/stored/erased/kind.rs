@@ -1,4 +1,4 @@
-//! What can be done with the values of a type.
+//! The operations on values of a type.
 
 use crate::stored::{Role, Stored};
 use bevy_ecs::component::{Component, ComponentId, Components, StorageType};

@@ -160,7 +160,7 @@ impl<'a> SliceMut<'a> {
     pub fn clone_from(&mut self, from: Slice) {
         check([self.kind, from.kind], [self.len, from.len]);
         let function = self.kind.functions().clone_from;
-        // SAFETY: *Type*, which was checked. What is borrowed mutably overlaps nothing else.
+        // SAFETY: *Type*, which was checked. The mutable borrow overlaps no other.
         unsafe { function(from.as_ptr(), self.first.as_ptr(), self.len) };
     }
 
@@ -172,7 +172,7 @@ impl<'a> SliceMut<'a> {
         check([self.kind, other.kind], [self.len, other.len]);
         let bytes = self.len * self.kind.functions().layout.size();
         let [a, b] = [self.first.as_ptr(), other.first.as_ptr()];
-        // SAFETY: *Type*, which was checked. What is borrowed mutably overlaps nothing else.
+        // SAFETY: *Type*, which was checked. The mutable borrow overlaps no other.
         unsafe { std::ptr::swap_nonoverlapping(a, b, bytes) };
     }
 

@@ -17,7 +17,7 @@ pub(super) struct Structure {
     pub contacts: Vec<u32>,
 }
 
-/// What was found of a group.
+/// The contacts and structures of a group.
 pub(super) struct Found {
     pub contacts: Vec<Contact>,
     pub islands: Vec<Structure>,

@@ -32,7 +32,7 @@ pub(super) struct Groups {
 /// Number of bodies whose overlaps one thread finds at a time.
 const BODIES_PER_TASK: usize = 1024;
 
-/// What is near a body that arrives.
+/// The neighbours of a body that arrives.
 #[derive(Default)]
 struct Near {
     /// Pairs of which it is the later body, or the only one that arrives.

@@ -72,9 +72,9 @@ impl Change {
 /// How the forces on a body have changed.
 struct Followed {
     total: Change,
-    /// What has not been passed on yet.
+    /// The change of force that has not been passed on yet.
     rest: Change,
-    /// What presses on the body, N.
+    /// Sum of the normal forces on the body, N.
     normal_force: f32,
     /// The share of that below which the rest does not count.
     least: f32,
@@ -127,7 +127,7 @@ impl Need<'_, '_, '_> {
                     let at_boundary = depth == 0;
                     Followed {
                         total: own,
-                        // What other bodies have done was passed on then.
+                        // The changes by other bodies were passed on then.
                         rest: if at_boundary { own } else { Change::default() },
                         normal_force: self.normal_force(body, &now),
                         least: match (self.is_jointed(slot), at_boundary) {
@@ -291,7 +291,7 @@ impl Need<'_, '_, '_> {
     }
 }
 
-/// What friction of a patch can still bear, as a share of the normal force.
+/// The friction that a patch can still bear, as a share of the normal force.
 fn slack(
     (pair, _, impulses): (&ContactPair, &Manifold, &ContactImpulses),
     patch: usize,
@@ -309,7 +309,7 @@ fn slack(
 }
 
 /// The smallest shares of their reserves, by least squares, with which rows give a body a force and a moment, N: those of a row are its
-/// force and its moment times the two vectors that are returned. What nothing else balances is left to a reserve of `least` in all
+/// force and its moment times the two vectors that are returned. The rest is left to a reserve of `least` in all
 /// directions, N.
 fn solve(rows: &[Row], least: f32, [force, moment]: [Vec3; 2]) -> [Vec3; 2] {
     let mut a = [[0.0_f32; 7]; 6];

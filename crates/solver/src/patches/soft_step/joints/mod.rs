@@ -7,7 +7,7 @@
 //! - **Rows** ([`row`]) are springs a hundred thousand times as stiff as those of contacts. They are never quite rigid: joints that hold
 //!   each other redundantly would have no unique forces.
 //! - **Arms turn** within a step: directions, errors, inertias and the factorization are refreshed in each substep for what has turned by
-//!   more than 1e-4 rad. What rests keeps them. Rows allow for the curvature of the way
+//!   more than 1e-4 rad. Bodies at rest keep them. Rows allow for the curvature of the way
 //!   ([`Bend::inward_rate`](crate::joint::Bend::inward_rate)).
 //! - **Impulses** are applied anew where arms have turned. The extrapolation of velocities, which contacts use, would repeat forces in
 //!   directions in which they no longer act.

@@ -98,7 +98,7 @@ pub fn take_places(
 /// A character after a step, and what it ran into. `None` while its body is not in the simulation.
 type Advanced = Option<(CharacterState, Pose, Vec<CharacterHit>)>;
 
-/// What a step depends on besides the character and the world.
+/// The parameters of a step besides the character and the world.
 struct Frame {
     gravity: Vec3,
     dt: f32,

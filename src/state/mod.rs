@@ -110,5 +110,6 @@ state! {
     resource Hooks hidden { BodyTable, JointChanges, Unassembled }
     resource Stages hidden { Broadphase, ConstraintGraph, Islands, LostPairs, Suspended }
     resource Events hidden { Untriggered, UntriggeredSensorEvents, BrokenJoints, BrokenMortar }
-    resource Other hidden { ActiveSettings, FoundProblems, ReportedProblems, EndedPairs, Structures, MovingSurfaces, Sensors, Restored, Arrivals }
+    resource Other hidden { ActiveSettings, FoundProblems, ReportedProblems, EndedPairs, Structures, MovingSurfaces }
+    resource Other hidden { Sensors, Restored, Arrivals }
 }

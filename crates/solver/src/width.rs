@@ -33,7 +33,9 @@ impl Lanes {
     pub(super) fn problem(self) -> Option<String> {
         let cannot = self == Self::Eight && !eight_is_available();
         cannot.then(|| {
-            "eight lanes need a processor with AVX2 and FMA, and the feature enhanced-determinism to be off; Lanes::Auto takes them where that is so".into()
+            "eight lanes need a processor with AVX2 and FMA, and the feature enhanced-determinism to be off; Lanes::Auto takes them \
+             where that is so"
+                .into()
         })
     }
 

@@ -39,8 +39,8 @@ pub const SOLVER_EFFORT: f32 = 16.0;
 
 /// Valid lengths of a step, s, in any order. Single precision cannot divide by shorter ones; longer ones are a mistake.
 ///
-/// Bodies at rest stay at rest in steps up to half a second. In very short ones motion is coarse: a body moves if its way in the step is more
-/// than half the rounding of its coordinates, 2·10⁻⁷ m between 2 and 4 m from the origin. Its speed is exact all the same.
+/// Bodies at rest stay at rest in steps up to half a second. In very short ones motion is coarse: a body moves if its way in the step is
+/// more than half the rounding of its coordinates, 2·10⁻⁷ m between 2 and 4 m from the origin. Its speed is exact all the same.
 pub const STEP_LENGTHS: std::ops::RangeInclusive<f32> = 1e-7..=60.0;
 
 /// Returns true if the vector is finite and no component exceeds a finite bound in magnitude.

@@ -65,8 +65,8 @@
 //! # Bodies below bodies
 //!
 //! A body below another one is a body of its own, and lives in the world. Its `Transform` is in the frame of its parent, and each step
-//! writes it anew, so that the parent's motion does not take the body along: contacts and joints do. If an entity above a body is moved by its
-//! `Transform`, the effect depends on both:
+//! writes it anew, so that the parent's motion does not take the body along: contacts and joints do. If an entity above a body is moved by
+//! its `Transform`, the effect depends on both:
 //!
 //! | moved | dynamic bodies below | others below |
 //! |---|---|---|

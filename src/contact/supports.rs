@@ -1,8 +1,8 @@
 //! Supports: [`Supports`], a system parameter that tells which bodies support which.
 //!
 //! A body supports another if the total force over all their faces pushes the other against gravity by more than a thousandth of its
-//! weight. So does a body that another hangs on by a [joint](crate::joint). A body that hangs on the world is supported by the joint. This is
-//! computed from the forces of the last step ([`Contacts`]). Nothing is simulated, so it does not predict what happens when a support is
+//! weight. So does a body that another hangs on by a [joint](crate::joint). A body that hangs on the world is supported by the joint. This
+//! is computed from the forces of the last step ([`Contacts`]). Nothing is simulated, so it does not predict what happens when a support is
 //! removed: a body with two supports may fall when it loses one. Use [`preview`](crate::preview) for that.
 //!
 //! ```

@@ -31,8 +31,8 @@
 //! reported and does nothing until it gets another body. The joint is not despawned: with Bevy's `ChildOf` you decide whose end is its own.
 //!
 //! # Frames
-//! A joint is attached to each body by an anchor and a basis ([`JointFrame`]). Parts that you do not give are found when the joint is added, from
-//! where the bodies are then: so place the bodies, and spawn the joint. `with_anchor` takes a point in the world for both,
+//! A joint is attached to each body by an anchor and a basis ([`JointFrame`]). Parts that you do not give are found when the joint is
+//! added, from where the bodies are then: so place the bodies, and spawn the joint. `with_anchor` takes a point in the world for both,
 //! `with_local_anchor1` and `with_local_anchor2` points of the bodies. In the step that adds the joint its frames become local, and stay so
 //! if the scene is saved.
 //!

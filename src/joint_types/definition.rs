@@ -1,4 +1,5 @@
-//! The definition that all joint types share: bodies, frames, and limits, motors and friction of the coordinates of body 2 relative to body 1.
+//! The definition that all joint types share: bodies, frames, and limits, motors and friction of the coordinates of body 2 relative to body
+//! 1.
 
 use super::{JointFrame, JointProblem};
 use crate::body::limits;

@@ -1,9 +1,9 @@
 //! Shapes that touch something where a cast begins.
 //!
-//! Bodies at rest overlap those below them by some micrometres, and rounding of positions adds to that. A cast from rest must not be stopped
-//! by this: not by the body below when it goes away from it or along it, and not by the neighbours of that body, whose sides are as much
-//! too high. So a cast asks first what its shape [touches](Touches) at the start. If there is something, it hits only what it comes deeper
-//! into than shapes that touch: what it would overlap as well if it was lifted off what it touches.
+//! Bodies at rest overlap those below them by some micrometres, and rounding of positions adds to that. A cast from rest must not be
+//! stopped by this: not by the body below when it goes away from it or along it, and not by the neighbours of that body, whose sides are as
+//! much too high. So a cast asks first what its shape [touches](Touches) at the start. If there is something, it hits only what it comes
+//! deeper into than shapes that touch: what it would overlap as well if it was lifted off what it touches.
 
 use super::{QueryFilter, SpatialQuery};
 use crate::body::{Pose, collider::Collider};

@@ -1,9 +1,9 @@
 //! Recordings (feature `serde`): a snapshot, and every change from outside since, as a file that replays to the same bits.
 //!
 //! A [`Recorder`] writes down what your game does to the simulation between two steps: entities that it spawns and despawns, components
-//! that it inserts, writes and removes, settings, and the length of each step. Values that stages write are not recorded, because a [`Replay`]
-//! computes it anew: bitwise equal, on any number of threads. So a recording is small, costs little, and is the best thing that a bug
-//! report can bring.
+//! that it inserts, writes and removes, settings, and the length of each step. Values that stages write are not recorded, because a
+//! [`Replay`] computes it anew: bitwise equal, on any number of threads. So a recording is small, costs little, and is the best thing that
+//! a bug report can bring.
 //!
 //! ```
 //! use bevy_app::App;

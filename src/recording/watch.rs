@@ -1,8 +1,9 @@
 //! Finds what was changed from outside since the last step ended.
 //!
 //! Change ticks tell what was written: first those of whole columns (Bevy's summary ticks), then, in columns that have changed, those of
-//! rows. Values that stages write are older than the tick at the end of the step, so they do not count. An observer notes entities that lost a
-//! component, because nothing else tells of it. So a step before which nothing was changed costs a look at each column of each table.
+//! rows. Values that stages write are older than the tick at the end of the step, so they do not count. An observer notes entities that
+//! lost a component, because nothing else tells of it. So a step before which nothing was changed costs a look at each column of each
+//! table.
 
 use super::edits::{Row, Touched};
 use super::kinds;

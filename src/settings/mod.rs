@@ -131,10 +131,11 @@ pub struct SleepSettings {
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Waking {
-    /// All bodies that are connected with them by contacts and joints. Touching a body costs as much as all bodies that it is connected with.
+    /// All bodies that are connected with them by contacts and joints. Touching a body costs as much as all bodies that it is connected
+    /// with.
     Islands,
-    /// Those that the awake bodies hit, and those on which the forces change. Touching a body costs as much as the bodies that have to move: a brick
-    /// that is laid on a wall wakes a few bricks below it.
+    /// Those that the awake bodies hit, and those on which the forces change. Touching a body costs as much as the bodies that have to
+    /// move: a brick that is laid on a wall wakes a few bricks below it.
     ByNeed {
         /// A body wakes when the force on it, or the moment divided by its radius, changes by more than this share of the sum of the normal
         /// forces on it, without unit; and by less where little or nothing resists, as on hinges, on ice and on edges. Default: 0.02.

@@ -14,7 +14,8 @@
 //! Several contacts of one heavy body may stand in one block, if many light bodies touch it ([`rounds`](super::rounds)).
 //!
 //! Contacts in a row, as in a stack, fill one lane in a block, since each round_places for the one before. There the sequence of blocks is
-//! *skewed*: cut into segments of the same length, which lie side by side, each one sweep behind the segment before it ([`super::patches`]'s segments).
+//! *skewed*: cut into segments of the same length, which lie side by side, each one sweep behind the segment before it
+//! ([`super::patches`]'s segments).
 
 use super::Body;
 use super::rounds::{RoundEnds, RoundPlace, Rounds};
@@ -146,8 +147,8 @@ impl Batches {
         }
     }
 
-    /// The fewest blocks of a segment if segments lie side by side in `lanes` lanes. No block may hold a body twice, and each sweep must have
-    /// finished with a body before the next sweep reaches the body's first contact.
+    /// The fewest blocks of a segment if segments lie side by side in `lanes` lanes. No block may hold a body twice, and each sweep must
+    /// have finished with a body before the next sweep reaches the body's first contact.
     fn segment(
         &self,
         lanes: usize,

@@ -1,7 +1,7 @@
 //! Characters: shapes that a game moves itself, that slide along what they meet, climb steps and stand on slopes.
 //!
-//! The component [`Character`](crate::character::Character) does all of this in each step. The methods here are for games with rules of their
-//! own.
+//! The component [`Character`](crate::character::Character) does all of this in each step. The methods here are for games with rules of
+//! their own.
 //!
 //! A character is not a dynamic body: it goes where its player wants. [`move_and_slide`](SpatialQuery::move_and_slide) says how far it gets
 //! in one step of the game, and [`ground`](SpatialQuery::ground) what it stands on. Both only ask: they move nothing. The answer has the

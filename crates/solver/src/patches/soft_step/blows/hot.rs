@@ -1,5 +1,5 @@
-//! Hot bodies, which take a blow, and the lanes of their patches. They cost time (a heap of 1 000 takes 8 % less without them) and buy truth:
-//! the tables of hops and shots in `docs/stability.md`.
+//! Hot bodies, which take a blow, and the lanes of their patches. They cost time (a heap of 1 000 takes 8 % less without them) and buy
+//! truth: the tables of hops and shots in `docs/stability.md`.
 
 use super::SETTLED_CHANGE;
 use crate::PatchProblem;

@@ -34,98 +34,98 @@
 //! | [`from_avian`] | From Avian |
 //! | [`from_rapier`] | From bevy_rapier |
 
-#[doc = include_str!("pause.md")]
+#[doc = include_str!("playing/pause.md")]
 pub mod pause {}
 
-#[doc = include_str!("platform.md")]
+#[doc = include_str!("playing/platform.md")]
 pub mod platform {}
 
-#[doc = include_str!("conveyor.md")]
+#[doc = include_str!("playing/conveyor.md")]
 pub mod conveyor {}
 
-#[doc = include_str!("one_way.md")]
+#[doc = include_str!("playing/one_way.md")]
 pub mod one_way {}
 
-#[doc = include_str!("layers.md")]
+#[doc = include_str!("playing/layers.md")]
 pub mod layers {}
 
-#[doc = include_str!("compound.md")]
+#[doc = include_str!("building/compound.md")]
 pub mod compound {}
 
-#[doc = include_str!("undo.md")]
+#[doc = include_str!("building/undo.md")]
 pub mod undo {}
 
-#[doc = include_str!("preview.md")]
+#[doc = include_str!("building/preview.md")]
 pub mod preview {}
 
-#[doc = include_str!("support.md")]
+#[doc = include_str!("building/support.md")]
 pub mod support {}
 
-#[doc = include_str!("force.md")]
+#[doc = include_str!("building/force.md")]
 pub mod force {}
 
-#[doc = include_str!("collapse.md")]
+#[doc = include_str!("building/collapse.md")]
 pub mod collapse {}
 
-#[doc = include_str!("trebuchet.md")]
+#[doc = include_str!("building/trebuchet.md")]
 pub mod trebuchet {}
 
-#[doc = include_str!("drawbridge.md")]
+#[doc = include_str!("building/drawbridge.md")]
 pub mod drawbridge {}
 
-#[doc = include_str!("wrecking_ball.md")]
+#[doc = include_str!("building/wrecking_ball.md")]
 pub mod wrecking_ball {}
 
-#[doc = include_str!("breakable_joint.md")]
+#[doc = include_str!("building/breakable_joint.md")]
 pub mod breakable_joint {}
 
-#[doc = include_str!("mortar.md")]
+#[doc = include_str!("building/mortar.md")]
 pub mod mortar {}
 
-#[doc = include_str!("trigger_zone.md")]
+#[doc = include_str!("playing/trigger_zone.md")]
 pub mod trigger_zone {}
 
-#[doc = include_str!("hit_sound.md")]
+#[doc = include_str!("playing/hit_sound.md")]
 pub mod hit_sound {}
 
-#[doc = include_str!("stairs.md")]
+#[doc = include_str!("playing/stairs.md")]
 pub mod stairs {}
 
-#[doc = include_str!("drag.md")]
+#[doc = include_str!("playing/drag.md")]
 pub mod drag {}
 
-#[doc = include_str!("explosion.md")]
+#[doc = include_str!("building/explosion.md")]
 pub mod explosion {}
 
-#[doc = include_str!("save.md")]
+#[doc = include_str!("app/save.md")]
 /// ```ignore
-#[doc = include_str!("save.rs")]
+#[doc = include_str!("app/save.rs")]
 /// ```
 pub mod save {}
 
-#[doc = include_str!("replay.md")]
+#[doc = include_str!("app/replay.md")]
 pub mod replay {}
 
-#[doc = include_str!("town.md")]
+#[doc = include_str!("app/town.md")]
 pub mod town {}
 
-#[doc = include_str!("smooth.md")]
+#[doc = include_str!("app/smooth.md")]
 pub mod smooth {}
 
-#[doc = include_str!("server.md")]
+#[doc = include_str!("app/server.md")]
 pub mod server {}
 
-#[doc = include_str!("netcode.md")]
+#[doc = include_str!("app/netcode.md")]
 pub mod netcode {}
 
-#[doc = include_str!("bad_input.md")]
+#[doc = include_str!("app/bad_input.md")]
 pub mod bad_input {}
 
-#[doc = include_str!("settings.md")]
+#[doc = include_str!("app/settings.md")]
 pub mod settings {}
 
-#[doc = include_str!("from_avian.md")]
+#[doc = include_str!("app/from_avian.md")]
 pub mod from_avian {}
 
-#[doc = include_str!("from_rapier.md")]
+#[doc = include_str!("app/from_rapier.md")]
 pub mod from_rapier {}

@@ -780,7 +780,7 @@ fn a_sleeping_body_wakes_at_the_same_weight_after_loading() {
 mod cookbook {
     use super::NoAssets;
 
-    include!("../../src/cookbook/save.rs");
+    include!("../../src/cookbook/app/save.rs");
 
     #[test]
     fn its_code_saves_and_loads() {

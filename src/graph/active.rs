@@ -38,6 +38,9 @@ struct TableRows {
     runs: Vec<Range<u32>>,
     /// The entities of the active rows, in their order.
     entities: Vec<Entity>,
+    /// The number of rows, and the entity of the last one. A pair that moves into the table changes these, unless it takes the place of an
+    /// inactive one that leaves the table at the same time: that is not noticed.
+    end: (usize, Option<Entity>),
     /// Scratch.
     rows: FixedBitSet,
 }
@@ -46,18 +49,25 @@ clone_fields!(TableRows {
     table,
     runs,
     entities,
+    end,
     rows,
 });
+
+fn end_of(entities: &[Entity]) -> (usize, Option<Entity>) {
+    (entities.len(), entities.last().copied())
+}
 
 impl TableRows {
     /// Returns true if the rows still hold the same entities.
     fn match_entities(&self, entities: &[Entity]) -> bool {
         let mut known = &*self.entities;
-        self.runs.iter().all(|run| {
-            let (these, others) = known.split_at(run.len());
-            known = others;
-            entities.get(run.start as usize..run.end as usize) == Some(these)
-        })
+        let is_same = self.end == end_of(entities);
+        is_same
+            && self.runs.iter().all(|run| {
+                let (these, others) = known.split_at(run.len());
+                known = others;
+                entities.get(run.start as usize..run.end as usize) == Some(these)
+            })
     }
 }
 
@@ -119,6 +129,15 @@ impl ActiveRows {
         self.0.iter().find(|known| known.table == table)
     }
 
+    /// Returns true if no pair has come into one of the tables since the rows were found.
+    fn match_ends(&self, world: &World) -> bool {
+        let tables = &world.storages().tables;
+        self.0.iter().all(|known| {
+            let table = tables.get(known.table);
+            table.is_some_and(|table| end_of(table.entities()) == known.end)
+        })
+    }
+
     /// Finds the rows of pairs.
     fn find(&mut self, pairs: impl Iterator<Item = Entity>, world: &World) {
         for known in &mut self.0 {
@@ -134,6 +153,7 @@ impl ActiveRows {
                     table,
                     runs: Vec::new(),
                     entities: Vec::new(),
+                    end: end_of(&[]),
                     rows: FixedBitSet::new(),
                 });
                 self.0.len() - 1
@@ -147,6 +167,7 @@ impl ActiveRows {
             known.runs.extend(runs_of(&known.rows));
             let table = tables.get(known.table);
             let entities = table.map_or(&[][..], |table| table.entities());
+            known.end = end_of(entities);
             let runs = known.runs.iter();
             let entities = runs.flat_map(|run| &entities[run.start as usize..run.end as usize]);
             known.entities.clear();
@@ -176,7 +197,8 @@ fn runs_of(rows: &FixedBitSet) -> impl Iterator<Item = Range<u32>> {
 
 /// Brings the runs of active rows up to date after pairs have come, gone, or become active or inactive.
 pub(super) fn find_active_rows(world: &mut World) {
-    if !world.resource::<ConstraintGraph>().active_rows_changed {
+    let graph = world.resource::<ConstraintGraph>();
+    if !graph.active_rows_changed && graph.active_rows.match_ends(world) {
         return;
     }
     world.resource_scope(|world, mut graph: Mut<ConstraintGraph>| {

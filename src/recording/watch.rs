@@ -9,6 +9,7 @@ use super::edits::{Row, Touched};
 use super::kinds;
 use super::resources::{self, Resource};
 use crate::body::{Pose, Quarantined, RigidBodyDisabled, SpawnOrder};
+use crate::children::CompoundCollider;
 use crate::snapshot::{SnapshotError, layout::Kinds};
 use crate::solver::sort;
 use crate::state;
@@ -266,7 +267,7 @@ impl Watch {
             || body.contains::<Disabled>()
             || body.contains::<ChildOf>();
         bits(pose.position, pose.rotation) == bits(drawn.translation, drawn.rotation)
-            && drawn.scale == Vec3::ONE
+            && drawn.scale == body.get().map_or(Vec3::ONE, CompoundCollider::scale)
             && self.known.contains(&entity)
             && !is_excepted
             && !pose

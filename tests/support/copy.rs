@@ -1,9 +1,10 @@
 //! The state of a world, copied into another world: exactly what is on the list of [`drystone::state`].
 
-use bevy_ecs::component::{ComponentId, Components};
+use bevy_ecs::change_detection::{MAX_CHANGE_AGE, Tick};
+use bevy_ecs::component::{ComponentId, Components, Mutable};
 use bevy_ecs::entity::{EntityHashMap, SceneEntityMapper};
 use bevy_ecs::prelude::*;
-use drystone::state::{Visitor, visit};
+use drystone::state::{Role, Stored, Visitor, visit};
 use std::fmt::Debug;
 
 /// Replaces the state of a world by that of another one, which goes on there to the same bits. The two must have the same plugins.
@@ -72,6 +73,17 @@ impl Visitor for Copier<'_, '_> {
                 let mut component = component.clone();
                 T::map_entities(&mut component, self.mapper);
                 self.to.entity_mut(copy).insert(component);
+            }
+        }
+    }
+
+    /// It must not count as added by a user: stages would write it at once.
+    fn output<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self, _: Role) {
+        self.any_component::<T>();
+        let now = self.to.change_tick();
+        for &(_, copy) in &self.pairs {
+            if let Some(mut output) = self.to.get_mut::<T>(copy) {
+                output.set_last_added(Tick::new(now.get().wrapping_sub(MAX_CHANGE_AGE)));
             }
         }
     }

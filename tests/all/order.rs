@@ -129,57 +129,6 @@ fn a_wall_spawned_again_stands() {
     }
 }
 
-#[test]
-fn the_same_bits_whatever_the_entities() {
-    let run = |junk: fn(&mut World)| {
-        let mut lab = Lab::new();
-        lab.world.resource_mut::<SleepSettings>().enabled = false;
-        junk(&mut lab.world);
-        let options = SceneOptions {
-            noise_position: 0.002,
-            noise_angle: 0.01,
-            ..Default::default()
-        };
-        Scene::Heap(60).build(&mut lab.world, &options);
-        for i in 0..30 {
-            let at = Vec3::new(4.0, 0.5 + i as f32, 0.1 * i as f32);
-            lab.cube(at);
-        }
-        lab.run(2.0);
-        lab.bits()
-    };
-    let plain = run(|_| ());
-    let junk: [fn(&mut World); 3] = [
-        |world| {
-            for _ in 0..1000 {
-                world.spawn_empty();
-            }
-        },
-        |world| {
-            let junk: Vec<Entity> = (0..1000).map(|_| world.spawn_empty().id()).collect();
-            for entity in junk {
-                world.despawn(entity);
-            }
-        },
-        |world| {
-            let junk: Vec<Entity> = (0..1000).map(|_| world.spawn_empty().id()).collect();
-            for entity in junk.into_iter().step_by(3) {
-                world.despawn(entity);
-            }
-        },
-    ];
-    for (i, junk) in junk.into_iter().enumerate() {
-        let other = run(junk);
-        let differ = plain.iter().zip(&other).filter(|(a, b)| a != b).count();
-        assert_eq!(
-            differ,
-            0,
-            "junk {i}: of {} bodies {differ} differ",
-            plain.len()
-        );
-    }
-}
-
 /// A server and its clients hear of bodies in different orders.
 #[test]
 fn the_same_bits_in_any_order_of_spawning_with_ages_by_hand() {

@@ -7,9 +7,7 @@ mod rules;
 mod scenes;
 mod seeking;
 
-use crate::snapshot::{
-    DT, bits, bodies_of_parts, body, brick, floor, place, resting, scene, steps,
-};
+use crate::snapshot::{DT, bits, bodies_of_parts, body, brick, floor, place, scene, steps};
 use bevy_ecs::prelude::*;
 use drystone::prelude::*;
 use drystone::recording::{Recorder, RecorderSettings, Recording, Replay};

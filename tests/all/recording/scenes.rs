@@ -1,86 +1,9 @@
 //! Scenes in which much is changed.
 
 use super::*;
-use bevy_ecs::hierarchy::ChildOf;
 use bevy_transform::components::Transform;
-use drystone::masonry::{Bond, Wall};
 use drystone::snapshot::Snapshot;
 use drystone::streaming;
-
-#[test]
-fn a_wall_that_sleeps_is_undermined() {
-    let (mut world, bodies) = scene("wall:8x6");
-    steps(&mut world, 180);
-    assert!(resting(&mut world) > 40);
-    goes_again("sleepers", world, 90, |world, step| match step {
-        5 => _ = world.despawn(bodies[3]),
-        // A value that it has already: it sleeps on.
-        20 => *world.get_mut::<Friction>(bodies[20]).unwrap() = *world.get(bodies[20]).unwrap(),
-        60 => world.get_mut::<Velocity>(bodies[30]).unwrap().linear.z = 2.0,
-        _ => (),
-    });
-}
-
-#[test]
-fn bodies_fall_asleep_and_are_spawned_asleep() {
-    let (world, _) = scene("wall:5x4");
-    let mut far = Vec::new();
-    let mut count = 0;
-    let recorded = record(world, 90, |world, step| {
-        let at = |number: usize, x: f32| {
-            let place = place(x, 0.25 + 0.5 * number as f32);
-            (RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5), place)
-        };
-        match step {
-            50 => far = streaming::spawn_asleep(world, (0..5).map(|number| at(number, 20.0))),
-            55 => {
-                _ = world.spawn((
-                    at(0, 30.0),
-                    Sleeping {
-                        asleep: true,
-                        ..default()
-                    },
-                ))
-            }
-            70 => _ = world.despawn(far[0]),
-            _ => (),
-        }
-        count = count.max(resting(world));
-    });
-    assert!(count > 20, "{count}");
-    replays("asleep", &recorded);
-}
-
-fn default<T: Default>() -> T {
-    T::default()
-}
-
-#[test]
-fn joints_are_edited_and_break() {
-    let mut world = floor();
-    let ball = |world: &mut World, x: f32| body(world, Collider::ball(0.2), x, 3.0, ());
-    let weight = ball(&mut world, 1.0);
-    let rope = SphericalJoint::new(None, weight).with_anchor(Vec3::Y * 3.0);
-    world.spawn((rope, BreakForce::new(600.0)));
-    let wheel = ball(&mut world, 5.0);
-    let motor = RevoluteJoint::new(None, wheel).with_motor(JointMotor::velocity(4.0, 500.0));
-    let motor = world.spawn(motor).id();
-    let [a, b] = [8.0, 9.0].map(|x| ball(&mut world, x));
-    steps(&mut world, 10);
-    goes_again("joints", world, 60, |world, step| match step {
-        5 => _ = world.spawn(DistanceJoint::new(a, b)),
-        10 => {
-            let mut of = world.get_mut::<RevoluteJoint>(motor).unwrap();
-            *of = of.clone().with_motor(JointMotor::velocity(-9.0, 500.0));
-        }
-        20 => _ = world.entity_mut(motor).insert(JointDisabled),
-        30 => _ = world.entity_mut(motor).remove::<JointDisabled>(),
-        40 => _ = world.despawn(motor),
-        // The joint waits for it in vain.
-        50 => _ = world.despawn(a),
-        _ => (),
-    });
-}
 
 /// A joint that was there before its body: the replay knows which entity it waits for.
 #[test]
@@ -150,52 +73,6 @@ fn hands_hold_bodies() {
         }
     });
     replays("hands", &recorded);
-}
-
-#[test]
-fn children_and_sensors() {
-    let (world, bodies, parts, zone) = bodies_of_parts();
-    goes_again("children", world, 60, |world, step| match step {
-        5 => _ = world.spawn((Collider::ball(0.2), place(-0.5, 0.5), ChildOf(bodies[0]))),
-        6 => world.get_mut::<Transform>(parts[1]).unwrap().translation.x = -0.5,
-        7 => _ = world.despawn(parts[2]),
-        15 => world.get_mut::<Transform>(zone).unwrap().translation.x = 12.0,
-        // Queries between two steps assemble bodies.
-        29 => drystone::refresh(world),
-        30 => {
-            world.spawn((Collider::ball(0.4), place(0.0, -0.4), ChildOf(bodies[0])));
-            drystone::refresh(world);
-        }
-        40 => _ = world.despawn(parts[0]),
-        45 => _ = world.entity_mut(parts[1]).insert(ChildOf(bodies[2])),
-        50 => _ = world.despawn(bodies[1]),
-        _ => (),
-    });
-}
-
-/// Bonds are spawned by a stage, in the replay too; a user may despawn one.
-#[test]
-fn bonds_of_mortar_are_broken_by_hand() {
-    let mut world = floor();
-    for block in Wall::new(Bond::Running).blocks().unwrap() {
-        world.spawn((block.bundle(), Mortar::default()));
-    }
-    let recorded = record(world, 60, |world, step| {
-        let mut bonds = world.query_filtered::<Entity, With<MortarJoint>>();
-        let bonds: Vec<Entity> = bonds.iter(world).collect();
-        match step {
-            10 => _ = world.despawn(bonds[3]),
-            15 => _ = world.entity_mut(bonds[5]).insert(JointDisabled),
-            18 => _ = world.entity_mut(bonds[5]).remove::<JointDisabled>(),
-            20 => {
-                let at = Transform::from_xyz(0.2, 1.8, 1.5);
-                let ball = (Collider::ball(0.4), Mass(2_000.0), RigidBody::Dynamic, at);
-                world.spawn((ball, Velocity::linear(Vec3::Z * -20.0)));
-            }
-            _ => (),
-        }
-    });
-    replays("mortar", &recorded);
 }
 
 /// What observers do when the events of a step are triggered belongs to the next step.

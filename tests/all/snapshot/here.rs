@@ -2,6 +2,7 @@
 
 use super::*;
 use bevy_ecs::hierarchy::{ChildOf, Children};
+use drystone::streaming;
 
 /// A component of the game.
 #[derive(Component, Debug, PartialEq)]
@@ -174,4 +175,44 @@ fn back_and_forth() {
     early.restore(&mut world).unwrap();
     let shown = go_on(&mut world, NOTHING, &|entity| entity);
     assert_same("early", &after_early, &shown);
+}
+
+/// Half of a sleeping wall is out, and its neighbours rest on what is not there.
+#[test]
+fn a_region_that_is_out() {
+    let mut world = floor();
+    let place = |i: usize, x: f32| brick_at(x, i);
+    let far = (0..4)
+        .map(|i| world.spawn(place(i, 20.0)).id())
+        .collect::<Vec<_>>();
+    let near = (0..4)
+        .map(|i| world.spawn(place(i, 0.0)).id())
+        .collect::<Vec<_>>();
+    steps(&mut world, 240);
+    assert_eq!(resting(&mut world), 9);
+    let region = streaming::take_out(&mut world, far.iter().copied()).unwrap();
+    steps(&mut world, 10);
+    let top = near[3];
+    let snapshot = Snapshot::take(&world);
+    let act = |world: &mut World, here: &dyn Fn(Entity) -> Entity, step: usize| {
+        if step == 5 {
+            world.get_mut::<Velocity>(here(top)).unwrap().linear.x = 1.0;
+        }
+    };
+    let first = go_on(&mut world, &act, &|entity| entity);
+    snapshot.restore(&mut world).unwrap();
+    let again = go_on(&mut world, &act, &|entity| entity);
+    assert_same("a region is out", &first, &again);
+    let left_out = streaming::put_back(&mut world, region);
+    assert!(left_out.is_empty(), "{left_out:?}");
+    steps(&mut world, 5);
+    for body in far {
+        assert!(world.get::<Sleeping>(body).unwrap().asleep);
+        assert!(world.get::<RigidBodyDisabled>(body).is_none());
+    }
+}
+
+fn brick_at(x: f32, number: usize) -> impl Bundle {
+    let at = place(x, 0.25 + 0.5 * number as f32);
+    (RigidBody::Dynamic, Collider::cuboid(1.0, 0.5, 0.5), at)
 }

@@ -6,7 +6,6 @@ mod bytes;
 mod fuzz;
 mod here;
 mod rules;
-mod scenes;
 
 use bevy_app::App;
 use bevy_ecs::entity_disabling::Disabled;

@@ -27,8 +27,15 @@ fn exists(evidence: &str) -> bool {
     match evidence.rsplit_once("::") {
         Some((path, test)) => {
             let sources = modules(&path.replace("::", "/"));
-            let test = format!("fn {test}()");
-            sources.iter().any(|source| source.contains(&test))
+            let function = format!("fn {test}()");
+            sources.iter().any(|source| {
+                // The scenes of the matrix are on a list, and their tests are made from it.
+                let listed = source.split_once("\nmatrix! {").map(|(_, list)| list);
+                let mut listed = listed
+                    .into_iter()
+                    .flat_map(|list| list.split([' ', ',', ';', '\n']));
+                source.contains(&function) || listed.any(|name| name == test)
+            })
         }
         None => root().join(evidence).exists(),
     }

@@ -164,13 +164,15 @@ struct Stranger;
 #[derive(Resource)]
 struct Dice(fastrand::Rng);
 
+type BodyOrPair = Or<(With<ContactPair>, With<RigidBody>)>;
+
 /// Sometimes marks some bodies and active pairs and removes the marker from others, which moves them to other tables, and spawns and despawns
 /// entities that are not bodies. In the steps between, all data that stages keep is kept.
 fn mark(
     mut commands: Commands,
     mut dice: ResMut<Dice>,
     graph: Res<ConstraintGraph>,
-    all: Query<(Entity, Has<Marked>, Has<ContactPair>), Or<(With<ContactPair>, With<RigidBody>)>>,
+    all: Query<(Entity, Has<Marked>, Has<ContactPair>), BodyOrPair>,
     strangers: Query<Entity, With<Stranger>>,
 ) {
     if dice.0.u8(0..6) > 0 {

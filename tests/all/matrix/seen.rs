@@ -162,70 +162,91 @@ fn take<T: Message, D: Debug>(world: &mut World, all: &mut Vec<String>, line: im
     );
 }
 
+/// Bodies, contacts and joints.
 fn things(world: &mut World) -> Vec<Thing> {
+    let mut things = bodies(world);
+    things.extend(contacts(world));
+    things.extend(joints(world));
+    things.sort_by(|a, b| (a.kind, &a.orders, &a.bits).cmp(&(b.kind, &b.orders, &b.bits)));
+    things
+}
+
+fn bits(vectors: &[Vec3]) -> impl Iterator<Item = u32> {
+    vectors
+        .iter()
+        .flat_map(|of| of.to_array().map(f32::to_bits))
+}
+
+fn bodies(world: &mut World) -> Vec<Thing> {
     type Body<'a> = (
         &'a SpawnOrder,
-        (&'a Pose, &'a Velocity, &'a Sleeping, &'a Transform),
         (
+            &'a Pose,
+            &'a Velocity,
+            &'a Sleeping,
+            &'a Transform,
             Option<&'a Load>,
-            Has<Inactive>,
-            Has<Quarantined>,
-            Has<Disabled>,
         ),
+        (Has<Inactive>, Has<Quarantined>, Has<Disabled>),
     );
-    let mut things = Vec::new();
     let mut bodies = world.query_filtered::<Body, Allow<Disabled>>();
-    for (&order, (pose, velocity, sleeping, drawn), flags) in bodies.iter(world) {
-        let (load, is_inactive, is_invalid, is_disabled) = flags;
+    let things = bodies.iter(world).map(|(&order, values, flags)| {
+        let (pose, velocity, sleeping, drawn, load) = values;
+        let (is_inactive, is_invalid, is_disabled) = flags;
+        let load = load.map_or(Vec3::ZERO, |load| load.force);
         let vectors = [
             pose.position,
             velocity.linear,
             velocity.angular,
             drawn.translation,
+            load,
         ];
-        let load = load.map_or(Vec3::ZERO, |load| load.force);
-        let vectors = vectors.iter().chain([&load]).flat_map(|v| v.to_array());
-        let turns = [pose.rotation, drawn.rotation]
-            .into_iter()
-            .flat_map(|turn| turn.to_array());
-        let numbers = vectors.chain(turns).chain([sleeping.still_for]);
+        let turns = [pose.rotation, drawn.rotation].map(|turn| turn.to_array().map(f32::to_bits));
         let flags = [sleeping.asleep, is_inactive, is_invalid, is_disabled].map(u32::from);
-        things.push(Thing {
+        let more = turns
+            .as_flattened()
+            .iter()
+            .copied()
+            .chain([sleeping.still_for.to_bits()]);
+        Thing {
             kind: "body",
             orders: vec![order],
-            bits: numbers.map(f32::to_bits).chain(flags).collect(),
-        });
-    }
-    let mut joints =
-        world.query_filtered::<(&SpawnOrder, &JointForces, Has<JointDisabled>), Allow<Disabled>>();
-    for (&order, forces, is_disabled) in joints.iter(world) {
-        let numbers = [forces.force, forces.torque]
-            .into_iter()
-            .flat_map(|v| v.to_array());
-        things.push(Thing {
+            bits: bits(&vectors).chain(more).chain(flags).collect(),
+        }
+    });
+    things.collect()
+}
+
+fn contacts(world: &mut World) -> Vec<Thing> {
+    let mut pairs = world.query::<(&ContactPair, &ContactImpulses)>();
+    let things = pairs.iter(world).map(|(pair, impulses)| {
+        let points = impulses.points.iter();
+        let points = points.map(|of| Vec3::new(of.normal, of.normal_force, of.rest_force));
+        let patches = impulses.patches.iter();
+        let patches = patches.map(|of| of.friction_force + of.rest_friction_force);
+        let vectors: Vec<Vec3> = points.chain(patches).collect();
+        Thing {
+            kind: "contact",
+            orders: pair.spawn_orders.to_vec(),
+            bits: bits(&vectors).collect(),
+        }
+    });
+    things.collect()
+}
+
+fn joints(world: &mut World) -> Vec<Thing> {
+    type Joint<'a> = (&'a SpawnOrder, &'a JointForces, Has<JointDisabled>);
+    let mut joints = world.query_filtered::<Joint, Allow<Disabled>>();
+    let things = joints
+        .iter(world)
+        .map(|(&order, forces, is_disabled)| Thing {
             kind: "joint",
             orders: vec![order],
-            bits: numbers
-                .map(f32::to_bits)
+            bits: bits(&[forces.force, forces.torque])
                 .chain([is_disabled.into()])
                 .collect(),
         });
-    }
-    let mut pairs = world.query::<(&ContactPair, &ContactImpulses)>();
-    for (pair, impulses) in pairs.iter(world) {
-        let points = impulses.points.iter();
-        let points = points.flat_map(|of| [of.normal, of.normal_force, of.rest_force]);
-        let patches = impulses.patches.iter();
-        let patches =
-            patches.flat_map(|of| (of.friction_force + of.rest_friction_force).to_array());
-        things.push(Thing {
-            kind: "contact",
-            orders: pair.spawn_orders.to_vec(),
-            bits: points.chain(patches).map(f32::to_bits).collect(),
-        });
-    }
-    things.sort_by(|a, b| (a.kind, &a.orders, &a.bits).cmp(&(b.kind, &b.orders, &b.bits)));
-    things
+    things.collect()
 }
 
 /// The first step that differs, and the first thing in it, or the first report. Bodies come first, because contacts follow from them.

@@ -30,8 +30,10 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// | what it collides with | `CollisionLayers`, `CollisionExceptions`, `ActiveContactHooks`, the resource `ContactHooks` |
 /// | how it is solved | `LockedAxes`, `Dominance`, `MaxLinearSpeed`, `MaxAngularSpeed`, `SolverEffort` |
 /// | whether a body beside it takes part | `RigidBodyDisabled`, `Disabled`, `Quarantined`; it is despawned |
-/// | joints | all [types of joints](crate::joint), `BreakForce`, `JointDisabled`, `Mortar`, `MortarJoint` |
-/// | settings, for all bodies | all [settings](crate::settings) but threads and time |
+/// | joints | `FixedJoint`, `RevoluteJoint`, `PrismaticJoint`, `SphericalJoint`, `CylindricalJoint` |
+/// | | `DistanceJoint`, `SpringJoint`, `GenericJoint`, `MortarJoint`; `Mortar`, `BreakForce`, `JointDisabled` |
+/// | settings, for all bodies | `Gravity`, `SolverSettings`, `StabilizationSettings` |
+/// | | `NarrowphaseSettings`, `SleepSettings`, `SpeedLimits` |
 ///
 /// Bodies that awake ones touch wake as [`Waking`](crate::settings::Waking) says. Edits of the [contacts](crate::contact::ContactPair) of
 /// two sleeping bodies take effect when one of them wakes. Nobody notices a write that bypasses Bevy's change detection, or a change of

@@ -131,7 +131,7 @@ fn problem<'a>(
         joints,
         surfaces: &rows.surfaces,
         dt: context.time.dt,
-        longest: context.time.max_recent_dt,
+        max_recent_dt: context.time.max_recent_dt,
         gravity: context.gravity.0,
         effort: 1.0,
         max_correction_speed: context.stabilization.max_correction_speed,

@@ -26,7 +26,7 @@ impl PointRows {
             grabs,
             joints,
             dt: context.time.dt,
-            longest: context.time.max_recent_dt,
+            max_recent_dt: context.time.max_recent_dt,
             effort,
             free_merit: 0.0,
             record_history: context.solver.record_history,

@@ -61,8 +61,8 @@ pub trait Visitor {
         self.any_component::<T>();
     }
 
-    /// A component that is part of the state, that stages write, and that users add and read. Stages write it when it was added, so code that
-    /// copies the state must make it look old.
+    /// A component that is part of the state, that stages write, and that users add and read. Stages write it when it was added, so code
+    /// that copies the state must make it look old.
     fn output<T: Component<Mutability = Mutable> + Stored + PartialEq>(&mut self, _: Role) {
         self.any_component::<T>();
     }

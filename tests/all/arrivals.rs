@@ -97,7 +97,7 @@ fn it_is_the_same_on_any_number_of_threads() {
 
 /// The search for written components passes over bodies that arrive, which all have new change ticks.
 #[test]
-fn what_is_written_as_others_arrive_is_noticed() {
+fn writes_while_others_arrive_are_noticed() {
     let mut lab = ground();
     let wall = Wall::new(Bond::Running).blocks().unwrap();
     let bodies = spawn(&mut lab, &wall, true);

@@ -257,7 +257,7 @@ fn a_body_that_is_bad_from_the_start() {
 
 /// A body that slept on the disabled body must not float.
 #[test]
-fn what_rested_on_a_quarantined_body_falls() {
+fn bodies_on_a_quarantined_body_fall() {
     let mut lab = Lab::new();
     lab.ground();
     let cubes = [0.5, 1.5, 2.5].map(|y| lab.cube(Vec3::Y * y));

@@ -189,7 +189,7 @@ fn surfaces_hold_from_one_side() {
 
 /// A contact that turned with the surface for some steps would push behind the centre, and drive it.
 #[test]
-fn what_rolls_on_a_block_or_a_mesh_neither_gains_nor_loses_speed() {
+fn bodies_rolling_on_a_block_or_a_mesh_keep_their_speed() {
     for (ground, surface, at) in grounds() {
         for (shape, collider) in [
             ("ball", Collider::ball(0.3)),
@@ -609,7 +609,7 @@ fn assert_shown_where_it_is(lab: &Lab, body: Entity, within: f32) {
 }
 
 #[test]
-fn what_is_below_a_moving_body_stays_until_the_user_moves_it() {
+fn children_below_a_moving_body_stay_until_the_user_moves_them() {
     let mut lab = weightless();
     let turned = Quat::from_euler(glam::EulerRot::XYZ, 0.3, 0.5, 0.7);
     let cube = || Collider::cuboid(1.0, 1.0, 1.0);

@@ -68,7 +68,7 @@ fn bounces(lab: impl Fn(f32) -> Lab, what: &str, noise: f32) {
 }
 
 #[test]
-fn what_bounces_on_the_ground_loses_less_than_a_hundredth_a_bounce() {
+fn bodies_lose_less_than_a_hundredth_a_bounce() {
     bounces(Lab::shipped, "soft step", 1e-4);
     // Semi-implicit Euler swings about the true energy by gΔt v/2, and apexes are seen at up to gΔt.
     bounces(Lab::exact, "nncg", 0.005);

@@ -216,7 +216,7 @@ fn blocks_are_moved_as_one() {
 }
 
 #[test]
-fn what_has_no_room_is_told() {
+fn bricks_without_room_are_refused() {
     let wall = |bond, length| Wall {
         length,
         ..Wall::new(bond)
@@ -408,7 +408,7 @@ fn poses(lab: &Lab, bodies: &[Entity]) -> Vec<Pose> {
 }
 
 #[test]
-fn what_is_undone_is_as_it_was_to_the_bit() {
+fn undo_restores_every_bit() {
     let (mut lab, bricks) = wall();
     let before = poses(&lab, &bricks);
     let mut log = EditLog::default();
@@ -460,7 +460,7 @@ fn what_is_undone_is_as_it_was_to_the_bit() {
 }
 
 #[test]
-fn what_is_drawn_between_two_steps_comes_back_to_where_it_was() {
+fn undo_restores_bodies_that_are_drawn_between_two_steps() {
     let mut lab = Lab::new();
     lab.ground();
     let mut log = EditLog::default();
@@ -488,7 +488,7 @@ fn what_is_drawn_between_two_steps_comes_back_to_where_it_was() {
 }
 
 #[test]
-fn what_was_placed_goes_and_comes_with_its_children() {
+fn placed_bodies_go_and_come_with_their_children() {
     let (mut lab, _) = wall();
     let mut log = EditLog::default();
     let block = Block {
@@ -704,7 +704,7 @@ fn bricks_put_back_after_a_fall_stand_within_a_centimetre() {
 
 /// It has fallen since it was placed; made again, it is where it was placed.
 #[test]
-fn what_is_placed_again_is_where_it_was_placed() {
+fn bricks_placed_again_are_where_they_were_placed() {
     let mut lab = Lab::new();
     lab.ground();
     let mut log = EditLog::default();

@@ -144,7 +144,7 @@ fn how_it_gave_way_is_told() {
 }
 
 #[test]
-fn who_pulls_the_brick_that_bears_is_told_of() {
+fn a_collapse_names_the_brick_that_was_pulled() {
     let mut lab = site(true);
     let base = lab.cube(Vec3::Y * 0.5);
     let pillar = lab.body(Collider::cuboid(0.3, 1.0, 0.3), Vec3::Y * 1.5);
@@ -164,7 +164,7 @@ fn who_pulls_the_brick_that_bears_is_told_of() {
 }
 
 #[test]
-fn what_is_built_and_taken_off_is_no_collapse() {
+fn building_and_taking_off_is_no_collapse() {
     let mut lab = site(true);
     let bricks = wall(&mut lab);
     let top = *bricks.last().unwrap();
@@ -199,7 +199,7 @@ fn what_is_built_and_taken_off_is_no_collapse() {
 }
 
 #[test]
-fn what_bears_too_much_is_crushed() {
+fn overloaded_bodies_are_crushed() {
     let mut lab = site(true);
     let under = lab.cube(Vec3::Y * 0.5);
     let weak = Watch { strength: 30_000.0 };
@@ -214,7 +214,7 @@ fn what_bears_too_much_is_crushed() {
 }
 
 #[test]
-fn what_is_put_elsewhere_or_held_stood_nowhere() {
+fn bodies_put_elsewhere_or_held_stood_nowhere() {
     let mut lab = site(true);
     let bricks = wall(&mut lab);
     let lies = lab.cube(Vec3::new(0.0, 0.5, 5.0));
@@ -269,7 +269,7 @@ fn a_strength_lowered_while_asleep_counts() {
 }
 
 #[test]
-fn what_is_watched_only_when_it_already_sleeps_stands() {
+fn structures_watched_only_once_asleep_stand() {
     let mut lab = site(true);
     let wall = Wall::new(Bond::Running).blocks().unwrap().into_iter();
     let bricks: Vec<Entity> = wall.map(|brick| lab.spawn(brick.bundle())).collect();

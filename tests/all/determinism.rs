@@ -46,7 +46,7 @@ struct Red;
 /// The state that a solve keeps from the last step is dropped when a body is spawned or despawned anywhere, and partly when the user writes
 /// a component.
 #[test]
-fn what_is_kept_gives_the_bits_of_what_is_made_anew() {
+fn kept_data_gives_the_bits_of_rebuilt_data() {
     let run = |disturb: &dyn Fn(&mut Lab)| {
         let mut lab = Lab::new();
         lab.world.resource_mut::<SleepSettings>().enabled = false;

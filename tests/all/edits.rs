@@ -305,7 +305,7 @@ fn a_resting_body_that_grows_is_found_anew_and_pushed_out() {
 // 5: components that are removed
 
 #[test]
-fn what_is_taken_off_a_body_takes_effect_in_the_next_step() {
+fn components_removed_from_a_body_take_effect_in_the_next_step() {
     let mut lab = Lab::new();
     lab.ground();
     let cube = lab.cube(Vec3::Y * 0.5);
@@ -535,7 +535,7 @@ fn a_sleeper_sleeps_on_when_written_without_a_change() {
 // 9: spawned asleep
 
 #[test]
-fn what_is_spawned_asleep_stays_asleep_until_something_wakes_it() {
+fn bodies_spawned_asleep_stay_asleep_until_something_wakes_them() {
     let mut lab = Lab::new();
     lab.ground();
     let bricks: Vec<Entity> = (0..4)

@@ -158,7 +158,7 @@ fn a_wall_is_not_torn_through() {
 
 /// From rest, in one step, by whatever pushes: what a velocity of the step before does not tell.
 #[test]
-fn what_is_pushed_hard_does_not_get_into_a_wall() {
+fn held_bodies_pushed_hard_do_not_get_into_a_wall() {
     for push in ["force", "impulse", "hand"] {
         each(|name, mut lab| {
             let wall = Collider::cuboid(0.5, 4.0, 4.0);
@@ -371,7 +371,7 @@ fn deepest(lab: &mut Lab, body: Entity, seconds: f32, depth: impl Fn(Vec3) -> f3
 }
 
 #[test]
-fn what_is_let_go_falls_from_rest() {
+fn released_bodies_fall_from_rest() {
     each(|name, mut lab| {
         let cube = lab.cube(Vec3::Y * 5.0);
         hold(
@@ -457,7 +457,7 @@ fn a_held_plate_bears_a_stack() {
 
 /// Also where sweeps would chase one another, or go in laps.
 #[test]
-fn what_is_held_moves_alike_on_any_number_of_threads() {
+fn held_bodies_move_alike_on_any_number_of_threads() {
     let run = |threads: usize| {
         let mut lab = Lab::with_preset(Preset::Default);
         let pool = PhysicsThreads::new(threads).unwrap().with_min_items(1);

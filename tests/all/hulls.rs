@@ -185,7 +185,7 @@ fn points_that_are_no_corners_are_left_out() {
 }
 
 #[test]
-fn what_has_no_volume_is_no_hull() {
+fn points_without_volume_make_no_hull() {
     let line: Vec<_> = (0..10).map(|i| Vec3::splat(0.1 * i as f32)).collect();
     let flat: Vec<_> = random(100, 1).iter().map(|p| p.with_y(0.0)).collect();
     let mut bad = vec![

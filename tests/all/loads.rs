@@ -120,7 +120,7 @@ fn a_load_at_rest_is_steady() {
 
 /// Asleep it bears what it bore, whatever the length of steps that others take, and who asks then is told.
 #[test]
-fn what_sleeps_bears_what_it_bore() {
+fn sleeping_bodies_keep_their_loads() {
     let mut lab = Lab::new();
     lab.ground();
     let bricks = pyramid(&mut lab, 5);
@@ -237,7 +237,7 @@ fn friction_use_is_that_of_the_slope() {
 }
 
 #[test]
-fn who_is_no_body_is_named() {
+fn entities_that_are_no_bodies_are_named() {
     let mut lab = Lab::new();
     let ground = lab.ground();
     let brick = brick(&mut lab, Vec3::Y, 1.0);
@@ -264,7 +264,7 @@ const ASLEEP: Sleeping = Sleeping {
 
 /// A level that is loaded while asleep bears the same load as awake, from the first step, and without motion.
 #[test]
-fn what_is_loaded_asleep_bears_its_weight_at_once() {
+fn bodies_loaded_asleep_bear_their_weight_at_once() {
     for preset in [Preset::Default, Preset::Paper] {
         let mut lab = Lab::with_preset(preset);
         let ground = lab.ground();
@@ -327,7 +327,7 @@ fn what_is_loaded_asleep_bears_its_weight_at_once() {
 
 /// A sleeping brick that is placed on a sleeping structure is supported by all bricks below, and no body wakes.
 #[test]
-fn what_is_loaded_onto_what_rests_is_borne_by_it() {
+fn bodies_loaded_onto_resting_ones_are_borne_by_them() {
     let mut lab = Lab::new();
     lab.ground();
     let mut tower = Vec::new();

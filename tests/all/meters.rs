@@ -107,7 +107,7 @@ fn an_experiment_counts_the_quarantined_and_the_despawned() {
 }
 
 #[test]
-fn what_goes_through_the_ground_is_lost() {
+fn bodies_below_the_ground_count_as_lost() {
     let outcome = outcome("heap:20", |run| {
         let body = run.bodies[0];
         let below = Transform::from_xyz(0.0, -1.0, 0.0);

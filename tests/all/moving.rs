@@ -150,7 +150,7 @@ fn a_table_tips_by_its_transform_as_by_its_velocity() {
 }
 
 #[test]
-fn what_is_no_longer_moved_by_its_transform_stands_still() {
+fn bodies_no_longer_moved_by_their_transform_stand_still() {
     let mut lab = Lab::new();
     let platform = lab.spawn((
         RigidBody::Kinematic,

@@ -131,7 +131,7 @@ fn places(moved: &[(usize, Vec3)]) -> Vec<usize> {
 }
 
 #[test]
-fn what_falls_is_what_falls_at_60_hz() {
+fn a_preview_names_the_bodies_that_fall_at_60_hz() {
     for scene in [
         "wall:10x10",
         "wall:5x8",
@@ -287,7 +287,7 @@ fn at(x: f32, y: f32) -> Pose {
 }
 
 #[test]
-fn what_is_moved_or_placed_is_told_where_it_ends() {
+fn a_preview_says_where_moved_and_placed_bodies_end() {
     let (lab, [left, _, across]) = trilith();
     // Out from under it.
     let moved = preview(&lab.world, &Edit::Move(left, at(-3.0, 0.25))).unwrap();
@@ -315,7 +315,7 @@ fn what_is_moved_or_placed_is_told_where_it_ends() {
 }
 
 #[test]
-fn what_lies_near_is_hit() {
+fn a_preview_includes_hits_on_bodies_nearby() {
     let (mut lab, _) = trilith();
     let tower = lab.body(Collider::cuboid(0.1, 3.0, 0.5), Vec3::new(3.0, 1.5, 0.0));
     let plate = lab.body(Collider::cuboid(0.1, 1.0, 0.5), Vec3::new(5.0, 0.5, 0.0));
@@ -354,7 +354,7 @@ fn a_task_finds_the_same() {
 }
 
 #[test]
-fn what_cannot_be_tried_is_told() {
+fn edits_that_cannot_be_tried_are_refused() {
     let (mut lab, [left, ..]) = trilith();
     let nobody = lab.world.spawn_empty().id();
     let new = lab.body(Collider::ball(0.5), Vec3::Y * 5.0);
@@ -405,7 +405,7 @@ fn what_cannot_be_tried_is_told() {
 
 /// Nothing lies, so that time runs out.
 #[test]
-fn what_never_rests_is_given_up() {
+fn previews_of_bodies_that_never_rest_are_given_up() {
     let mut lab = Lab::new();
     lab.ground();
     let ball = lab.body(Collider::ball(0.5), Vec3::Y * 0.5);
@@ -425,7 +425,7 @@ type Go = fn(EntityWorldMut);
 
 /// Despawned, disabled or robbed of its kind since the last step: it is not there, neither for the preview nor for the next step.
 #[test]
-fn what_goes_in_the_same_frame_is_not_copied() {
+fn bodies_despawned_in_the_same_frame_are_not_copied() {
     let ways: [(&str, Go); 3] = [
         ("despawned", |body| body.despawn()),
         ("disabled", |mut body| _ = body.insert(Disabled)),

@@ -509,7 +509,7 @@ fn filters_leave_out_what_they_say() {
 
 /// A ball at rest that is hit by one of a hundred times its mass goes farther in that step than its box is wide.
 #[test]
-fn what_was_hit_is_found_where_it_went() {
+fn bodies_that_were_hit_are_found_where_they_went() {
     let mut lab = Lab::new();
     lab.dt = 0.1;
     lab.world.resource_mut::<drystone::settings::Gravity>().0 = Vec3::ZERO;

@@ -264,7 +264,7 @@ fn app() -> App {
 
 /// As a game lays bricks that its player wants while time stands still.
 #[test]
-fn what_is_built_while_paused_is_known_in_the_next_frame() {
+fn bodies_built_while_paused_are_known_in_the_next_frame() {
     #[derive(Resource, Default)]
     struct Seen(Option<Entity>);
     let mut app = app();

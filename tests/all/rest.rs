@@ -91,7 +91,7 @@ impl Yard {
 }
 
 #[test]
-fn what_sleeps_is_in_no_list_and_one_island_wakes_alone() {
+fn sleeping_bodies_are_in_no_list_and_one_island_wakes_alone() {
     let mut yard = Yard::new();
     assert_eq!(yard.active(), (vec![], 0));
     // In spawn order: first the slabs, then the stacks.
@@ -156,7 +156,7 @@ fn waking_marks_sleeping_as_changed_and_not_in_the_table_of_inactive_bodies() {
 
 /// As `bevy_transform_interpolation` does it in every frame.
 #[test]
-fn what_is_drawn_where_it_lies_rests_on() {
+fn interpolated_bodies_at_rest_stay_at_rest() {
     let mut yard = Yard::new();
     let draw = |yard: &mut Yard, aside: Vec3| {
         let mut drawn = yard.lab.world.query::<&mut Transform>();
@@ -316,7 +316,7 @@ fn edits_below_cubes() -> Vec<(&'static str, bool, Deed)> {
 
 /// Edits of a user, each in a world at rest and in a world in which all bodies are checked in every step.
 #[test]
-fn whatever_is_done_to_what_rests_comes_out_as_if_it_did_not_rest() {
+fn operations_on_inactive_bodies_give_what_they_give_on_active_ones() {
     let deeds = [edits_of_cubes(), edits_below_cubes()].concat();
     let need = SleepSettings::default().waking;
     let cases = deeds
@@ -379,7 +379,7 @@ fn pairs_at_rest_stay_in_their_table() {
 
 /// A body that is activated keeps no state from its rest.
 #[test]
-fn who_was_disabled_at_rest_comes_back_and_takes_part() {
+fn a_body_disabled_at_rest_comes_back_and_takes_part() {
     let mut yard = Yard::new();
     let cube = yard.stacks[1][2];
     yard.lab.world.entity_mut(cube).insert(Disabled);

@@ -86,7 +86,7 @@ fn manifold(lab: &mut Lab) -> Manifold {
 
 /// Twenty seconds at 60 Hz.
 #[test]
-fn what_lies_there_stays() {
+fn round_bodies_at_rest_stay() {
     let turns = [
         Quat::IDENTITY,
         Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 13.27f32.to_radians()),

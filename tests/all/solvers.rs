@@ -127,7 +127,7 @@ fn solve_recording(graph: &Graph, solver: &dyn PointSolver, record_history: bool
         grabs: &mut [],
         joints: &mut [],
         dt: 1.0 / 60.0,
-        longest: 1.0 / 60.0,
+        max_recent_dt: 1.0 / 60.0,
         effort: 1.0,
         free_merit,
         record_history,
@@ -396,7 +396,7 @@ impl Patches {
             grabs: &mut [],
             joints: &mut [],
             dt: DT,
-            longest: DT,
+            max_recent_dt: DT,
             gravity: self.gravity,
             effort: 1.0,
             max_correction_speed: 2.0,
@@ -733,7 +733,7 @@ fn all_processors_can_four_lanes_and_those_with_avx2_eight() {
 
 /// A structure starts with what its joints carry at rest, and friction is anchored after the first step only.
 #[test]
-fn what_friction_carries_outlasts_a_step_without_an_anchor() {
+fn loads_of_friction_outlast_a_step_without_an_anchor() {
     let mut problem = falling(0.0, 1.0, 0.0);
     let patch = &mut problem.patches[0];
     patch.slip = None;

@@ -129,7 +129,7 @@ fn a_tumbling_brick_turns_over_when_it_should() {
 
 /// The rotation of bodies that touch, or may touch, is that of the solver.
 #[test]
-fn what_spins_into_the_ground_or_another_gains_nothing() {
+fn bodies_that_spin_into_the_ground_or_another_gain_nothing() {
     let mut rng = fastrand::Rng::with_seed(3);
     let mut random = move || {
         let mut one = || 2.0 * rng.f32() - 1.0;

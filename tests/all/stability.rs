@@ -98,7 +98,7 @@ fn a_wall_of_ten_courses_falls_out_of_its_plane() {
 }
 
 #[test]
-fn what_is_low_slides() {
+fn low_structures_slide() {
     for friction in [0.1, 0.3, 0.6] {
         let slab = boxes(&[(Vec3::new(2.0, 0.4, 2.0), Vec3::Y * 0.2)]);
         let weight = 2.0 * 0.4 * 2.0 * 1000.0 * G;
@@ -297,7 +297,7 @@ fn a_wall_of_a_hundred_bricks_is_soon_known() {
 }
 
 #[test]
-fn what_has_no_margin_is_told() {
+fn structures_without_a_margin_are_reported() {
     let (mut lab, bodies) = build(stack(2), 0.5);
     let ask = |lab: &Lab, bodies: &[Entity], trial| stability(&lab.world, bodies, &trial);
     let nobody = lab.world.spawn_empty().id();
@@ -340,7 +340,7 @@ fn what_has_no_margin_is_told() {
 
 /// In the frame in which a body is despawned nothing stands on it any more.
 #[test]
-fn what_is_despawned_in_the_same_frame_bears_nothing() {
+fn despawned_bodies_bear_nothing() {
     let (mut lab, bodies) = build(stack(2), 0.5);
     let tilt = |lab: &Lab, bodies: &[Entity]| stability(&lab.world, bodies, &Trial::Tilt(Vec3::X));
     assert!((tilt(&lab, &bodies).unwrap().limit - 0.4636).abs() < 1e-3);

@@ -238,7 +238,7 @@ fn never_gains_energy(scene: &str) {
 }
 
 #[test]
-fn what_starts_exactly_touching_never_gains_energy() {
+fn bodies_that_start_touching_never_gain_energy() {
     for scene in [
         "stack:10",
         "wall:10x10",
@@ -388,7 +388,7 @@ fn a_heap_of_1000_comes_to_rest() {
 
 /// Poses of bodies at rest do not change by a single bit, and their `Transform` is not marked as changed.
 #[test]
-fn what_was_built_exactly_stays_to_the_bit() {
+fn exactly_built_structures_stay_to_the_bit() {
     for scene in ["wall:10x10", "stack:20", "pyramid:10"] {
         let mut experiment = Experiment::new(scene.parse().unwrap(), Preset::Default);
         experiment.sleeping.enabled = false;

@@ -241,7 +241,7 @@ fn queries_see_what_is_in() {
 }
 
 #[test]
-fn what_cannot_be_taken_out_is_named() {
+fn bodies_that_cannot_be_taken_out_are_named() {
     let mut lab = Lab::new();
     let ground = lab.ground();
     let boxed = |x: f32| {
@@ -342,7 +342,7 @@ fn an_edit_while_out_takes_effect_in_the_step_after() {
 }
 
 #[test]
-fn what_was_despawned_while_out_is_missed() {
+fn bodies_despawned_while_out_are_missed() {
     let (mut lab, bodies) = asleep("stack:3");
     let region = take_out(&mut lab, &bodies);
     lab.run(0.2);
@@ -400,7 +400,7 @@ fn a_region_of_which_the_markers_are_removed_comes_back_without_its_contacts() {
 }
 
 #[test]
-fn what_was_put_in_the_way_meanwhile_is_met() {
+fn bodies_put_in_the_way_meanwhile_are_met() {
     let (mut lab, bodies) = asleep("wall:6x4");
     let top = *bodies.last().unwrap();
     let at = lab.position(top);

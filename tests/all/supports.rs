@@ -219,7 +219,7 @@ fn in_a_heap_all_answers_agree() {
 }
 
 #[test]
-fn who_is_no_body_bears_nothing_and_is_named() {
+fn entities_that_are_no_bodies_bear_nothing_and_are_named() {
     let mut lab = Lab::new();
     lab.ground();
     let lamp = lab.spawn(Transform::default());
@@ -238,7 +238,7 @@ type Go = fn(EntityWorldMut);
 
 /// Until the next step sees that a body has gone, the answers about others are as if it were not there.
 #[test]
-fn what_goes_in_the_same_frame_bears_nothing() {
+fn bodies_despawned_in_the_same_frame_bear_nothing() {
     let ways: [(&str, Go); 3] = [
         ("despawned", |body| body.despawn()),
         ("disabled", |mut body| _ = body.insert(Disabled)),

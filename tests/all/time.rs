@@ -126,7 +126,7 @@ fn impulses_are_the_whole_steps_whatever_the_substeps() {
 }
 
 #[test]
-fn what_is_held_does_not_sag_whatever_the_step() {
+fn held_bodies_do_not_sag_at_any_step_length() {
     for dt in [1.0 / 240.0, 1.0 / 60.0, 1.0 / 30.0, 0.1] {
         let mut lab = Lab::shipped(dt);
         let cube = lab.cube(Vec3::Y * 5.0);

@@ -243,7 +243,7 @@ fn an_arch_falls_under_the_sled_that_statics_does_not_let_it_bear() {
 /// The table of `docs/arches.md`.
 #[test]
 #[ignore = "long"]
-fn what_becomes_of_arches_under_traffic() {
+fn arches_under_traffic_stand_or_fall() {
     for radii in RADII {
         let (most, at) = bears(radii, |normal| normal);
         let (upright, above) = bears(radii, |_| Vec2::Y);

@@ -123,7 +123,7 @@ fn holds(what: &str, dt: f32, relief: Relief, most: f32) {
 }
 
 #[test]
-fn what_is_unloaded_at_once_does_not_jump() {
+fn structures_unloaded_at_once_do_not_jump() {
     for scene in ["stack:10", "wall:10x10", "pyramid:10"] {
         stays(scene, 1.0 / 60.0, 1.0);
         stays(scene, 0.1, 1.0);
@@ -150,12 +150,12 @@ fn nothing_pushes(scene: &str, dt: f32) {
 }
 
 #[test]
-fn what_is_thrown_off_leaves_no_push_behind() {
+fn bodies_thrown_off_leave_no_push_behind() {
     nothing_pushes("stack:10", 1.0 / 60.0);
 }
 
 #[test]
-fn what_is_thrown_off_leaves_no_push_behind_at_large_steps() {
+fn bodies_thrown_off_leave_no_push_behind_at_large_steps() {
     nothing_pushes("stack:10", 0.1);
 }
 
@@ -172,7 +172,7 @@ fn a_great_weight_that_is_thrown_off_leaves_no_push_behind_at_large_steps() {
 
 /// Round bodies have no stored load, but the bodies below carry their weight. No step treats this as a load that was removed.
 #[test]
-fn what_a_ball_lies_on_stays_still() {
+fn structures_under_a_ball_stay_still() {
     for dt in [1.0 / 60.0, 0.1] {
         let mut lab = Lab::shipped(dt);
         lab.ground();

@@ -342,7 +342,7 @@ fn a_jump_is_as_high_as_its_speed_tells() {
 
 /// It lands where it jumped, and goes on as fast when it steps off.
 #[test]
-fn who_jumps_on_a_train_keeps_its_speed() {
+fn a_character_that_jumps_on_a_train_keeps_its_speed() {
     let mut app = app();
     let world = app.world_mut();
     world.spawn((

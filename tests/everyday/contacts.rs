@@ -85,7 +85,7 @@ fn whoever_hears_the_end_has_heard_the_start() {
 }
 
 #[test]
-fn who_listens_from_the_beginning_or_again_hears_each_once() {
+fn listeners_get_each_event_once_from_the_beginning_or_again() {
     let (mut app, ground, body) = world();
     let world = app.world_mut();
     world.entity_mut(body).insert(ContactEvents);

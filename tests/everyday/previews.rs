@@ -22,7 +22,7 @@ fn tower(count: usize, waking: Waking, last: f32, sleeps: bool) -> (App, Vec<Ent
 }
 
 #[test]
-fn what_falls_is_told_in_slow_motion_and_in_long_steps() {
+fn falling_bodies_are_reported_in_slow_motion_and_in_long_steps() {
     for waking in [Waking::Islands, SleepSettings::default().waking] {
         for sleeps in [true, false] {
             for last in [1e-7, 1e-6, 5e-5, 1e-3, 1.0 / 240.0, 0.1, 0.3] {
@@ -51,7 +51,7 @@ fn what_falls_is_told_in_slow_motion_and_in_long_steps() {
 
 /// What is placed in the air falls, in whatever steps.
 #[test]
-fn what_is_placed_in_the_air_falls_in_slow_motion() {
+fn bodies_placed_in_the_air_fall_in_slow_motion() {
     for last in [1e-7, 1e-4, 1.0 / 960.0] {
         let (app, _) = tower(1, Waking::Islands, last, true);
         let there = Pose {

@@ -157,17 +157,17 @@ fn casts_from_rest(place: Transform) {
 }
 
 #[test]
-fn what_rests_is_cast_along_and_away_without_a_hit() {
+fn bodies_at_rest_are_cast_along_and_away_without_a_hit() {
     casts_from_rest(Transform::IDENTITY);
 }
 
 #[test]
-fn what_rests_is_cast_without_a_hit_far_from_the_origin() {
+fn bodies_at_rest_are_cast_without_a_hit_far_from_the_origin() {
     casts_from_rest(at(1000.0, 300.0, -700.0));
 }
 
 #[test]
-fn what_rests_is_cast_without_a_hit_on_floors_that_are_turned() {
+fn bodies_at_rest_are_cast_without_a_hit_on_turned_floors() {
     let turned =
         Quat::from_rotation_z(0.3) * Quat::from_rotation_y(0.7) * Quat::from_rotation_x(0.2);
     casts_from_rest(Transform::from_rotation(turned));
@@ -312,7 +312,7 @@ fn a_brick_is_cast_out_of_its_wall() {
 
 /// A cast without an end.
 #[test]
-fn what_rests_is_cast_as_far_as_one_likes() {
+fn casts_of_bodies_at_rest_may_have_any_length() {
     let mut app = app();
     let world = app.world_mut();
     floor(world, 1, Transform::IDENTITY);

@@ -208,7 +208,7 @@ fn a_body_that_may_only_move_slowly_falls_on() {
 }
 
 #[test]
-fn what_drifts_slowly_in_zero_gravity_drifts_on() {
+fn slow_bodies_drift_on_in_zero_gravity() {
     for (rate, speed) in [(10.0, 0.005), (60.0, 0.005), (60.0, 0.0003), (240.0, 0.002)] {
         let mut app = app();
         let world = app.world_mut();
@@ -264,7 +264,7 @@ fn riders_of_a_slow_lift_go_up_with_it() {
 
 /// A ball rolls on and a crate slides on ice: dry friction does not hold them.
 #[test]
-fn what_nothing_stops_rolls_and_slides_on() {
+fn bodies_that_nothing_stops_roll_and_slide_on() {
     for rate in RATES {
         let [awake, ways] = [false, true].map(|may_sleep| {
             let mut app = app();
@@ -291,7 +291,7 @@ fn what_nothing_stops_rolls_and_slides_on() {
 
 /// The time that bodies which are put down take to fall asleep.
 #[test]
-fn what_rests_sleeps_after_half_a_second() {
+fn bodies_at_rest_sleep_after_half_a_second() {
     for rate in RATES {
         for from in [Vec3::ZERO, Vec3::new(1000.0, 0.0, 1000.0)] {
             let mut app = app();

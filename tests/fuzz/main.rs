@@ -19,12 +19,12 @@ use run::{Tally, episode, fuzz, misbehave};
 const EPISODES: u64 = 700;
 
 #[test]
-fn whatever_is_done_to_a_world_hurts_nobody_else() {
+fn operations_on_a_world_affect_no_other_body() {
     fuzz(0..EPISODES / 2);
 }
 
 #[test]
-fn whatever_is_done_to_another_world_hurts_nobody_else() {
+fn operations_on_another_world_affect_no_other_body() {
     fuzz(EPISODES / 2..EPISODES);
 }
 
@@ -51,7 +51,7 @@ fn other_entities_change_no_bit() {
 }
 
 #[test]
-fn what_is_written_without_change_changes_no_bit() {
+fn writes_without_change_change_no_bit() {
     (0..100).for_each(|seed| twins::same(seed, twins::touch));
 }
 

@@ -123,6 +123,7 @@ fn types_can_be_inserted_and_sent_through_reflection() {
     has::<FixedJoint, ReflectComponent>(&app);
     has::<DistanceJoint, ReflectComponent>(&app);
     has::<SpringJoint, ReflectComponent>(&app);
+    has::<CylindricalJoint, ReflectComponent>(&app);
     has::<GenericJoint, ReflectComponent>(&app);
     has::<BreakForce, ReflectComponent>(&app);
     has::<JointForces, ReflectComponent>(&app);

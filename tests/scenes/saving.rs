@@ -394,7 +394,7 @@ fn sensors_keep_their_contents_and_do_not_report_them_again() {
 
 /// Boxes, balls and hulls in mid-fall, some of which touch already.
 #[test]
-fn what_falls_goes_on_to_the_same_bits() {
+fn falling_bodies_go_on_to_the_same_bits() {
     let mut lab = Lab::new();
     lab.dt = 1.0 / 60.0;
     lab.ground();

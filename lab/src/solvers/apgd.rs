@@ -121,7 +121,7 @@ fn sweep_joints_and_grabs(problem: &mut PointProblem, sweeps: usize) {
         grabs: &mut *problem.grabs,
         joints: &mut *problem.joints,
         dt: problem.dt,
-        longest: problem.longest,
+        max_recent_dt: problem.max_recent_dt,
         effort: problem.effort,
         free_merit: problem.free_merit,
         record_history: false,

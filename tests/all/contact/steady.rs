@@ -41,7 +41,7 @@ fn pairs(seed: u64, count: usize, mut with: impl FnMut(&Pair, &mut Dice)) {
 
 /// The few that do not: a corner comes to lie on the border or beyond reach, or another face is farther outside, by that little.
 #[test]
-fn what_hardly_moves_keeps_its_names() {
+fn points_of_bodies_that_hardly_move_keep_their_features() {
     let (mut seen, mut axes, mut sets) = (0, 0, 0);
     pairs(5, 40_000, |pair, dice| {
         // The tolerance of thin solids is as small as the movement.

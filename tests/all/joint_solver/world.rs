@@ -182,7 +182,7 @@ impl World {
             joints: &mut joints,
             surfaces: &[],
             dt,
-            longest: dt,
+            max_recent_dt: dt,
             gravity: self.gravity,
             effort: 1.0,
             max_correction_speed: 2.0,

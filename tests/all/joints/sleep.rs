@@ -40,7 +40,7 @@ fn a_hanging_chain_falls_asleep_and_bears_its_load_when_it_wakes() {
 }
 
 #[test]
-fn what_hangs_is_supported() {
+fn hanging_bodies_are_supported() {
     let mut lab = Lab::new();
     lab.dt = 1.0 / 60.0;
     let (bodies, joints) = chain(&mut lab, 3, 1.0, Vec3::Y * 5.0);

@@ -166,8 +166,8 @@ struct Dice(fastrand::Rng);
 
 type BodyOrPair = Or<(With<ContactPair>, With<RigidBody>)>;
 
-/// Sometimes marks some bodies and active pairs and removes the marker from others, which moves them to other tables, and spawns and despawns
-/// entities that are not bodies. In the steps between, all data that stages keep is kept.
+/// Sometimes marks some bodies and active pairs and removes the marker from others, which moves them to other tables, and spawns and
+/// despawns entities that are not bodies. In the steps between, all data that stages keep is kept.
 fn mark(
     mut commands: Commands,
     mut dice: ResMut<Dice>,

@@ -32,7 +32,7 @@ fn an_overloaded_cantilever_falls_in_one_piece() {
 
 /// A block on a slope whose bond is broken by a push slides as one without mortar from that pose.
 #[test]
-fn what_has_broken_is_dry_stone() {
+fn broken_mortar_leaves_dry_stone() {
     for dt in [1.0 / 60.0, 1.0 / 30.0] {
         let angle = 0.7f32;
         let slope = Quat::from_rotation_z(-angle);

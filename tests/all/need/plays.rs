@@ -134,7 +134,7 @@ fn compare(scenes: &[&str], seeds: std::ops::Range<u64>, mode: Mode) -> [usize; 
 }
 
 #[test]
-fn what_is_played_by_need_ends_as_it_does_awake() {
+fn plays_by_need_end_as_they_do_awake() {
     assert_eq!(compare(&SOLID, 0..12, Mode::Need), [0; 3]);
 }
 

@@ -151,20 +151,20 @@ fn act_on(
 }
 
 #[test]
-fn whatever_is_changed_replays() {
+fn any_edit_replays() {
     changes_replay(0..SEEDS, false);
     // The friction of a body of several parts is inserted and removed between two steps.
     changes_replay(548..549, false);
 }
 
 #[test]
-fn whatever_is_changed_replays_contacts_too() {
+fn any_edit_replays_contacts_too() {
     changes_replay(0..SEEDS, true);
 }
 
 #[test]
 #[ignore = "long: ten minutes"]
-fn whatever_is_changed_a_thousand_times_replays() {
+fn a_thousand_edits_replay() {
     for contacts in [true, false] {
         changes_replay(SEEDS..1_000, contacts);
     }

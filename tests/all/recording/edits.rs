@@ -259,7 +259,7 @@ fn systems_write() {
 
 /// Interpolation draws bodies elsewhere between two steps, and puts them back: nothing is recorded. What the game moves is.
 #[test]
-fn what_is_drawn_between_steps_does_not_count() {
+fn interpolated_transforms_are_no_edits() {
     let (mut world, bodies) = wall();
     let falls = brick(&mut world, 0.2, 4.0);
     steps(&mut world, 1);

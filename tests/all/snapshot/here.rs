@@ -95,7 +95,7 @@ fn steps_that_are_taken_back_again_and_again() {
 
 /// Components of the game stay as they are, and so do its own entities.
 #[test]
-fn what_is_not_drystones_stays() {
+fn data_of_the_game_stays() {
     let mut world = floor();
     let camera = world.spawn((place(0.0, 9.0), Mesh(1))).id();
     let ball = body(&mut world, Collider::ball(0.5), 0.0, 3.0, Mesh(2));

@@ -220,7 +220,7 @@ mod tests {
                 grabs: &mut [],
                 joints: &mut joints,
                 dt: DT,
-                longest: DT,
+                max_recent_dt: DT,
                 effort: 1.0,
                 free_merit: 1.0,
                 record_history: false,

@@ -70,7 +70,7 @@ pub struct PatchProblem<'a> {
     /// Length of the step, s.
     pub dt: f32,
     /// The longest of recent steps, s; at least `dt`. It sets a stiffness that must not increase for a step that is short by chance.
-    pub longest: f32,
+    pub max_recent_dt: f32,
     /// Acceleration of free fall, m/s².
     pub gravity: Vec3,
     /// Multiple of the usual number of sweeps, at least 1.

@@ -54,7 +54,7 @@
 //!     grabs: &mut [],
 //!     joints: &mut [],
 //!     dt,
-//!     longest: dt,
+//!     max_recent_dt: dt,
 //!     effort: 1.0,
 //!     free_merit: 0.0,
 //!     record_history: false,
@@ -201,7 +201,7 @@ pub struct PointProblem<'a> {
     /// Length of the step, s.
     pub dt: f32,
     /// The longest of recent steps, s; at least `dt`. Errors of position are corrected at the rate that it allows.
-    pub longest: f32,
+    pub max_recent_dt: f32,
     /// Multiple of the usual number of sweeps, at least 1.
     pub effort: f32,
     /// The merit of the free motion, √J, to which residuals are relative. See [`merit`].
@@ -255,7 +255,7 @@ impl PointProblem<'_> {
     fn plain_joints(&self) -> Vec<PlainJoint> {
         let joints = self.joints.iter();
         joints
-            .filter_map(|joint| PlainJoint::new(joint, self.bodies, [self.dt, self.longest]))
+            .filter_map(|joint| PlainJoint::new(joint, self.bodies, [self.dt, self.max_recent_dt]))
             .collect()
     }
 
@@ -319,7 +319,8 @@ impl PointProblem<'_> {
             self.grabs[i] = held.found();
         }
         for joint in &mut *self.joints {
-            let Some(mut plain) = PlainJoint::new(joint, self.bodies, [self.dt, self.longest])
+            let Some(mut plain) =
+                PlainJoint::new(joint, self.bodies, [self.dt, self.max_recent_dt])
             else {
                 continue;
             };

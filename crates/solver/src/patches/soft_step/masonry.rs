@@ -194,7 +194,7 @@ impl Masonry {
             grabs: &mut self.grabs,
             joints: &mut [],
             dt: DT,
-            longest: DT,
+            max_recent_dt: DT,
             gravity: self.gravity,
             effort: 1.0,
             max_correction_speed: 2.0,

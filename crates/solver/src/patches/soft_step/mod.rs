@@ -20,8 +20,8 @@
 //!   the mean of a patch slowly, because a fast one shakes. It follows the difference of a point from that mean, which a leaning body
 //!   causes, far more slowly, or bodies would rock. A row from which load is taken off holds on to most of it, which makes the row stiffer
 //!   on that side; towers need this to stand.
-//! - **The longest of recent steps** sets the stiffness ([`PatchProblem::longest`]): springs that became stiffer in every short step would
-//!   throw the bodies that had sunk in a long one.
+//! - **The longest of recent steps** sets the stiffness ([`PatchProblem::max_recent_dt`]): springs that became stiffer in every short step
+//!   would throw the bodies that had sunk in a long one.
 //! - **Blows** ([`blows`]): where bodies hit each other, a substep gets more sweeps, and the next substep begins without the blow.
 //! - **Joints** ([`joints`]) are solved directly, after the contacts of every sweep. Sweeps of their islands do not overlap.
 //! - **Parting** ([`parting`]): bodies that overlap deeply are moved apart and gain no velocity by it.

@@ -70,7 +70,7 @@ impl Solved {
             grabs: &mut [],
             joints: &mut [],
             dt: 0.1,
-            longest: 0.1,
+            max_recent_dt: 0.1,
             effort: 1.0,
             free_merit: 1.0,
             record_history: false,

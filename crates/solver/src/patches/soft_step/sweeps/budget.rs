@@ -104,18 +104,18 @@ impl SweepBudget {
                 .max(settings.min_sweeps)
                 .min(settings.max_sweeps)
         };
-        let [now, longest] = [problem.dt, problem.longest].map(|dt| {
+        let [now, longest] = [problem.dt, problem.max_recent_dt].map(|dt| {
             let substeps = substeps(sweeps(dt), soft);
             (substeps, substeps + substeps.div_ceil(soft))
         });
         // This is not the rate of whole rounds, or stiffness would jump with their number.
-        let rate = rate.max(settings.min_sweeps as f32 / problem.longest);
+        let rate = rate.max(settings.min_sweeps as f32 / problem.max_recent_dt);
         Self {
             substeps: now.0,
             substeps_per_rigid_sweep: soft,
             downwards,
-            rate: rate.min(sweeps(problem.longest) as f32 / problem.longest),
-            followed: (now.1 as f32).min(longest.1 as f32 * (problem.dt / problem.longest)),
+            rate: rate.min(sweeps(problem.max_recent_dt) as f32 / problem.max_recent_dt),
+            followed: (now.1 as f32).min(longest.1 as f32 * (problem.dt / problem.max_recent_dt)),
         }
     }
 }

@@ -82,7 +82,8 @@ macro_rules! matrix {
 
 matrix! {
     falling: heap_that_falls, heap_of_200, balls_that_bounce, dominoes_in_the_middle_of_their_fall,
-        compounds_on_a_half_space, compounds_on_triangles, compounds_on_a_height_field, hulls_that_share_a_shape, crowd, islands_that_meet, stacks_on_a_heavy_plate, bodies_with_hooks;
+        compounds_on_a_half_space, compounds_on_triangles, compounds_on_a_height_field, hulls_that_share_a_shape,
+        crowd, islands_that_meet, stacks_on_a_heavy_plate, bodies_with_hooks;
     resting: wall_that_is_undermined, wall_that_falls_asleep, weights_on_a_sleeping_cube, bodies_spawned_asleep,
         sleepers_beside_falling_bodies, wall_of_20_by_15, wall_of_100_by_50, wall_of_80_by_60;
     joined: chain, bridge, ragdolls, joints_that_are_edited_and_break, wall_of_mortar,

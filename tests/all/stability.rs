@@ -410,13 +410,20 @@ fn a_thousand_bricks_are_known_in_two_seconds() {
     let top = lab.position(bodies[1000]) + Vec3::new(0.0, 0.25, 0.3);
     let start = Instant::now();
     let ask = |what: &str, ask: &dyn Fn() -> Margin, most: f32| {
-        let before = worked(start);
-        let margin = ask();
-        let time = worked(start) - before;
-        println!("{what}: {time:?}, {}", margin.limit);
-        assert_near(margin.limit, most, 2e-3, what);
-        // It takes 0.2 to 0.7 s on an idle machine, and up to 1.5 s without link-time optimization.
-        assert!(time.as_secs_f32() < 2.0, "{what}: {time:?}");
+        // It takes 0.2 to 0.7 s on an idle machine, and up to 1.7 s without link-time optimization. Another thread on the same core
+        // makes that half as long again, so the least of several times counts.
+        let mut least = Duration::MAX;
+        for _ in 0..3 {
+            let before = worked(start);
+            let margin = ask();
+            least = least.min(worked(start) - before);
+            assert_near(margin.limit, most, 2e-3, what);
+            if least < Duration::from_secs(2) {
+                break;
+            }
+        }
+        println!("{what}: {least:?}");
+        assert!(least < Duration::from_secs(2), "{what}: {least:?}");
     };
     let out = 0.05f32.atan();
     ask("out of the plane", &|| tilt(&lab, &bodies, Vec3::Z), out);

@@ -154,7 +154,7 @@ pub fn wall_of_20_by_15() -> Scene {
 pub fn wall_of_100_by_50() -> Scene {
     Scene {
         start: |world| awake(world, "wall:100x50"),
-        steps: 15,
+        steps: 6,
         ..Scene::default()
     }
 }
@@ -163,7 +163,7 @@ pub fn wall_of_100_by_50() -> Scene {
 pub fn wall_of_80_by_60() -> Scene {
     Scene {
         start: |world| awake(world, "wall:80x60"),
-        steps: 6,
+        steps: 3,
         ..Scene::default()
     }
 }

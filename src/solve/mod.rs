@@ -28,9 +28,9 @@ use crate::joint::BrokenJoints;
 use crate::mortar::BrokenMortar;
 use crate::profile::SolvePart;
 use crate::settings::{Columns, Method};
-use crate::solver::{Body, join::join, sort};
+use crate::solver::{Body, PatchSolver, join::join, sort};
 use crate::warm_start::{
-    Grabs, Island, IslandProblems, Joints, LARGE_ISLAND_FACTOR, Pairs, ProblemSet, Rows,
+    Grabs, Island, IslandProblems, Joints, LARGE_ISLAND_FACTOR, Pairs, PatchRows, ProblemSet, Rows,
     SolveContext,
 };
 use bevy_ecs::prelude::*;
@@ -178,9 +178,10 @@ impl Solve<'_> {
         };
         let threads = &context.threads;
         if many {
-            let solve_small = |some: &mut [&mut Island]| match some {
-                [island] => solve(island),
-                _ => solve_together(method, some, context),
+            let solve_small = |some: &mut [&mut Island]| match (some, method) {
+                ([island], _) => solve(island),
+                (some, Method::Patches(solver)) => solve_together(solver, some, context),
+                (some, Method::Points(_)) => some.iter_mut().for_each(|island| solve(island)),
             };
             if threads.runs_in_parallel(points) {
                 let (mut small, mut large): (Vec<_>, Vec<_>) =
@@ -210,12 +211,15 @@ impl Solve<'_> {
     }
 }
 
-/// Solves several small islands.
-fn solve_together(method: Method, islands: &mut [&mut Island], context: &SolveContext) {
-    let rows = islands.iter_mut();
-    let rows = rows.map(|island| (&mut island.rows, &mut *island.bodies));
-    let mut rows: Vec<_> = rows.collect();
-    let reports = Rows::solve_each(method, &mut rows, context);
+/// Solves several small islands of patches.
+fn solve_together(solver: &dyn PatchSolver, islands: &mut [&mut Island], context: &SolveContext) {
+    let rows = islands
+        .iter_mut()
+        .filter_map(|island| match &mut island.rows {
+            Rows::Patches(rows) => Some((rows, &mut island.bodies[..])),
+            Rows::Points(_) => None,
+        });
+    let reports = PatchRows::solve_each(solver, rows, context);
     for (island, report) in islands.iter_mut().zip(reports) {
         island.report = report;
         take_back_if_wrong(island);

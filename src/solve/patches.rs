@@ -24,14 +24,14 @@ impl PatchRows {
         contacts < SMALL_ISLAND_PATCHES && self.patches.len() < SMALL_ISLAND_PATCHES
     }
 
-    pub(super) fn solve_each(
+    /// Solves several small islands without grabs and joints, with the usual effort.
+    pub(super) fn solve_each<'a>(
         solver: &dyn PatchSolver,
-        islands: &mut [(&mut Self, &mut [Body])],
-        context: &SolveContext,
+        islands: impl Iterator<Item = (&'a mut Self, &'a mut [Body])>,
+        context: &'a SolveContext,
     ) -> Vec<SolveReport> {
-        let problems = islands.iter_mut();
         let problems =
-            problems.map(|(rows, bodies)| problem(rows, bodies, &mut [], &mut [], context));
+            islands.map(|(rows, bodies)| problem(rows, bodies, &mut [], &mut [], context));
         let mut problems: Vec<PatchProblem> = problems.collect();
         solver.solve_each(&mut problems)
     }

@@ -3,7 +3,7 @@
 use crate::pair::{ContactImpulses, Manifold};
 use crate::settings::Method;
 use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
-use crate::warm_start::{PatchRows, Rows, SolveContext};
+use crate::warm_start::{Rows, SolveContext};
 
 impl Rows {
     /// Solves an island with a multiple of the usual number of sweeps.
@@ -33,25 +33,6 @@ impl Rows {
         match self {
             Self::Patches(rows) => rows.is_small(contacts),
             Self::Points(_) => false,
-        }
-    }
-
-    /// Solves several small islands without grabs and joints, with the usual effort.
-    pub(super) fn solve_each(
-        method: Method,
-        islands: &mut [(&mut Self, &mut [Body])],
-        context: &SolveContext,
-    ) -> Vec<SolveReport> {
-        let mut patches = Vec::with_capacity(islands.len());
-        for (rows, bodies) in islands.iter_mut() {
-            match rows {
-                Self::Patches(rows) => patches.push((rows, &mut **bodies)),
-                Self::Points(_) => unreachable!("islands of points are not small"),
-            }
-        }
-        match method {
-            Method::Patches(solver) => PatchRows::solve_each(solver, &mut patches, context),
-            Method::Points(_) => unreachable!("islands of points are not small"),
         }
     }
 

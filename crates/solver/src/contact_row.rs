@@ -20,8 +20,7 @@ pub struct ContactRow {
 impl ContactRow {
     /// The velocity of A relative to B at the point, along the row, m/s. Velocities are linear and angular ones.
     pub fn rate(&self, velocities: [[Vec3; 2]; 2]) -> f32 {
-        let [a, b] = [0, 1].both(|side| at(velocities[side], self.arms[side]));
-        self.direction.dot(a - b)
+        rate(self.direction, self.arms, velocities)
     }
 
     /// The velocity of A at the point, along the row, m/s.
@@ -49,6 +48,12 @@ impl ContactRow {
         };
         body.answer(push, self.arms[side])
     }
+}
+
+/// The velocity of A relative to B at a point, along a direction, m/s. `arms` lead from their centres of mass to the point, m.
+pub fn rate(direction: Vec3, arms: [Vec3; 2], velocities: [[Vec3; 2]; 2]) -> f32 {
+    let [a, b] = [0, 1].both(|side| at(velocities[side], arms[side]));
+    direction.dot(a - b)
 }
 
 /// The velocity of a body at a point, m/s.

@@ -6,7 +6,7 @@
 //! gain energy is weakened.
 
 use crate::Both;
-use crate::contact_row::ContactRow;
+use crate::contact_row::{ContactRow, rate};
 use crate::groups::Groups;
 use crate::sort;
 use crate::{Body, PatchPoint, PatchProblem};
@@ -51,9 +51,9 @@ pub fn find(problem: &PatchProblem) -> Bounces {
                 offset, separation, ..
             } = problem.points[point];
             let arms = patch.arms.both(|arm| arm + offset);
-            let came = approach(bodies.both(|body| body.start), &arms, patch.normal);
+            let came = rate(patch.normal, arms, bodies.both(|body| body.start));
             if came < 0.0 {
-                let gained = approach(bodies.both(Body::push), &arms, patch.normal);
+                let gained = rate(patch.normal, arms, bodies.both(Body::push));
                 let fallen = -2.0 * gained / problem.dt * separation.max(0.0);
                 let leave = patch.restitution * (came * came + fallen).max(0.0).sqrt();
                 // A body that would be back within the step rests.
@@ -316,10 +316,4 @@ fn spent(body: &Body, now: [Vec3; 2], push: [Vec3; 2]) -> f64 {
     let [start, now, push, moved] =
         [body.start, now, push, body.motion.unwrap_or(now)].map(|v| v.both(|v| v.as_dvec3()));
     0.5 * (product(start, start) - product(now, now)) + product(push, moved)
-}
-
-/// Normal velocity of A against B, from linear and angular velocities, m/s.
-fn approach([a, b]: [[Vec3; 2]; 2], arms: &[Vec3; 2], normal: Vec3) -> f32 {
-    let at = |[linear, angular]: [Vec3; 2], arm: Vec3| linear + angular.cross(arm);
-    normal.dot(at(a, arms[0]) - at(b, arms[1]))
 }

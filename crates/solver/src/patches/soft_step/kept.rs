@@ -3,15 +3,14 @@
 use super::blows::Blows;
 use super::contact::pass::Pass;
 use super::island::Island;
-use super::sweeps::Mode;
 use super::sweeps::budget::Course;
 use super::sweeps::layout::{batches, fixed_bodies_rest, rounds, skewed};
 use super::sweeps::load_statistics::BodyLoad;
 use super::sweeps::skewed::SkewedSweeps;
+use super::sweeps::{Changes, Mode};
 use crate::batches::Batches;
 use crate::lanes::F32xN;
 use crate::{Lanes, PatchProblem};
-use smallvec::SmallVec;
 
 /// An island in blocks, with the data that is found once for them.
 pub struct Kept<L: F32xN> {
@@ -32,9 +31,6 @@ enum Layout {
     /// They are plain, because segments are too short for the grabs on these bodies.
     PlainForGrabs(Vec<u32>),
 }
-
-/// Σ Wᵢᵢ Δλᵢ² of sweeps that are done, J.
-pub type Changes = SmallVec<[f32; 8]>;
 
 /// Lists of one call, whose memory is reused.
 #[derive(Default)]

@@ -105,8 +105,8 @@ fn mode(problem: &mut PatchProblem, gaps: &Gaps, budget: SweepBudget) -> (Mode, 
         return (Mode::Blows, spinners::Found::default());
     }
     let tops = spinners::Found::of(problem);
-    let is_alone = budget.downwards || !tops.is_empty() || !problem.joints.is_empty();
-    match is_alone {
+    let one_by_one = budget.downwards || !tops.is_empty() || !problem.joints.is_empty();
+    match one_by_one {
         true => (Mode::OneByOne, tops),
         false => (Mode::Overlapping, tops),
     }

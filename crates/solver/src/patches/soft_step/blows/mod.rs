@@ -23,6 +23,7 @@ mod hot;
 
 use crate::Both;
 use crate::body::{speed_of, trace};
+use crate::contact_row::rate;
 use crate::lanes::{F32xN, Kernel, cells};
 use crate::patches::soft_step::contact::kinds::{MoreRigid, MoreSoft, Soft};
 use crate::patches::soft_step::contact::pass::Pass;
@@ -80,10 +81,7 @@ fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
     patch.restitution == 0.0
         && points.iter().any(|point| {
             let arms = patch.arms.both(|arm| arm + point.offset);
-            let along = |[a, b]: [[Vec3; 2]; 2]| {
-                let at = |[linear, angular]: [Vec3; 2], arm: Vec3| linear + angular.cross(arm);
-                patch.normal.dot(at(b, arms[1]) - at(a, arms[0]))
-            };
+            let along = |velocities| -rate(patch.normal, arms, velocities);
             let before = along(bodies.both(|body| body.start));
             let gained = along(bodies.both(Body::push));
             let apart = point.separation.max(0.0);

@@ -14,6 +14,7 @@ use crate::Body;
 use crate::Both;
 use crate::PatchProblem;
 use crate::batches::Batches;
+use crate::contact_row::rate;
 use crate::lanes::{F32xN, State};
 use crate::patches::soft_step::contact::block::{Block, Points};
 use crate::patches::soft_step::contact::normals::UNLOADED_FACTOR;
@@ -270,9 +271,8 @@ impl LeafPatch {
     }
 
     /// The motion along its normal of A relative to B, at a point.
-    fn along(&self, arms: [Vec3; 2], [a, b]: [[Vec3; 2]; 2]) -> f32 {
-        let at = |[linear, angular]: [Vec3; 2], arm: Vec3| linear + angular.cross(arm);
-        self.normal.dot(at(a, arms[0]) - at(b, arms[1]))
+    fn along(&self, arms: [Vec3; 2], motions: [[Vec3; 2]; 2]) -> f32 {
+        rate(self.normal, arms, motions)
     }
 
     /// The leaf of a point without impulse, with the response of the other body as its compliance. `number` is that of the patch; `point`

@@ -7,6 +7,7 @@
 use super::MAX_PLACED_SPEED;
 use super::hand_down::{self, Limits};
 use crate::Both;
+use crate::contact_row::add_to;
 use crate::lanes::{F32xN, cells};
 use crate::patches::soft_step::SoftStep;
 use crate::patches::soft_step::contact::pass::Pass;
@@ -143,9 +144,7 @@ pub fn bear<L: F32xN>(problem: &mut PatchProblem, limits: Limits, jointed: &[boo
                 largest = largest.max(impulse);
                 let push = sign * change * patch.normal;
                 let answer = problem.bodies[support].answer(push, patch.arms[side] + point.offset);
-                for (motion, part) in motions[support].iter_mut().zip(answer) {
-                    *motion += part;
-                }
+                add_to(&mut motions[support], answer);
             }
             pressed[support] |= feet.supports[support];
         }

@@ -9,7 +9,6 @@
 use super::STILL_MOTION;
 use crate::PatchProblem;
 use crate::lanes::{F32xN, Kernel, State, cells};
-use crate::patches::soft_step::contact::kinds::Rigid;
 use crate::patches::soft_step::contact::pass::Pass;
 use crate::patches::soft_step::contact::spring::Spring;
 use crate::patches::soft_step::island::Island;
@@ -110,15 +109,13 @@ impl<L: F32xN> Kernel for Settle<'_, L> {
     #[inline(always)]
     fn run(self) {
         let Self { island, pass, .. } = self;
+        let back = Pass { down: true, ..pass };
         let mut direction: Option<Impulses<L>> = None;
         let mut last = f32::INFINITY;
         for _ in 0..self.most {
             let before = Impulses::of(island);
             island.sweep_rigidly(&pass);
-            L::run(SweepBack {
-                island: &mut *island,
-                pass: &pass,
-            });
+            island.sweep_rigidly(&back);
             let mut step = Impulses::of(island);
             step.add(-1.0, &before);
             let energy = step.energy(island);
@@ -139,32 +136,6 @@ impl<L: F32xN> Kernel for Settle<'_, L> {
         }
         // The added direction may have left the cone.
         island.sweep_rigidly(&pass);
-    }
-}
-
-/// A rigid sweep from the last block to the first.
-struct SweepBack<'a, L: F32xN> {
-    island: &'a mut Island<L>,
-    pass: &'a Pass,
-}
-
-impl<L: F32xN> Kernel for SweepBack<'_, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Island {
-            blocks,
-            points,
-            velocities,
-            motions,
-            ..
-        } = self.island;
-        let (velocities, motions) = (cells(velocities), cells(motions));
-        for block in blocks.iter_mut().rev() {
-            let points = &mut points[block.range()];
-            block.relax(Rigid, points, velocities, motions, self.pass);
-        }
     }
 }
 

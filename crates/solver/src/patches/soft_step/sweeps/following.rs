@@ -1,10 +1,10 @@
 //! The first sweeps of a step follow the refresh and the warm start of blocks, on one thread, so that blocks that are larger than caches
 //! are read from memory once for all of these. In a wall of 200 × 50 bricks a step takes 9 % longer without this.
 
+use super::Changes;
 use super::pipeline::{MAX_GROUP_SWEEPS, Pipeline, PipelinedSweeps, Shared, Shares, Work};
 use crate::lanes::{F32xN, Kernel};
 use crate::patches::soft_step::contact::pass::Pass;
-use smallvec::SmallVec;
 
 /// Sweeps on one thread that follow other work through the blocks. That work goes from the first block to the last.
 pub struct Following<'a, L: F32xN> {
@@ -48,8 +48,8 @@ impl<'a, L: F32xN> Following<'a, L> {
     }
 
     /// Σ W Δλ² of each sweep, J.
-    pub fn changes(&self) -> SmallVec<[f32; 8]> {
-        let mut sums = SmallVec::new();
+    pub fn changes(&self) -> Changes {
+        let mut sums = Changes::new();
         for change in &self.changes[..self.passes.len()] {
             sums.push(change.sum());
         }

@@ -17,6 +17,11 @@ mod plan;
 pub mod quiet;
 pub mod skewed;
 
+use smallvec::SmallVec;
+
+/// Σ Wᵢᵢ Δλᵢ² of sweeps that are done, J.
+pub type Changes = SmallVec<[f32; 8]>;
+
 /// How the sweeps of a step run. This is decided once, before the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {

@@ -60,7 +60,8 @@
 //!
 //! [`body`] holds all components of bodies and colliders, `pair` and `joint_types` those of contacts and joints, and [`graph`] connects
 //! them. The stages of a step stand on these, and [`schedule`] puts the stages in order. Modules that ask, save, build or draw stand
-//! on [`schedule`], and no module that a step needs imports them. The whole list is `docs/layers.md`, and a test compares the imports with it.
+//! on [`schedule`], and no module that a step needs imports them. The whole list is `docs/layers.md`, and a test compares the imports with
+//! it.
 //!
 //! # Questions about the world
 //!

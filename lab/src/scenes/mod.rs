@@ -3,6 +3,7 @@
 //! All stand on a plane, y = 0. Densities are 1000 kg/m³ unless said.
 
 mod bridge;
+mod busy;
 pub mod castle;
 mod ground;
 mod hand;
@@ -11,6 +12,7 @@ mod masonry;
 mod motion;
 mod name;
 
+pub use busy::{Busy, Drive, Hang};
 pub use ground::Ground;
 pub use hand::{Hand, Phase};
 pub use name::{KNOWN, MAX_BODIES, SceneError};
@@ -71,6 +73,8 @@ pub enum Scene {
     Ragdolls(u32),
     /// The task of the paper's Figure 1: a scripted hand builds a stack of n, presses on its top edge and tips it.
     Pressed(u32),
+    /// One of the scenes of other engines' benchmarks, in which much moves.
+    Busy(Busy),
 }
 
 /// The shape of the bodies in a pile.
@@ -153,11 +157,15 @@ impl Scene {
             Self::Incline(_) | Self::Rolling | Self::Sliding => 1,
             Self::Overlap(_) => 2,
             Self::Dropped => Self::Wall(6, 6).bodies() + 1,
+            Self::Busy(busy) => busy.bodies(),
         }
     }
 
     /// Returns true for scenes that should stay where they are. Other scenes may move.
     pub fn stays(&self) -> bool {
+        if let Self::Busy(busy) = self {
+            return busy.stays();
+        }
         !matches!(
             self,
             Self::Heap(_)
@@ -175,6 +183,9 @@ impl Scene {
 
     /// Returns true for scenes without joints and without a hand that holds bodies.
     pub fn has_contacts_only(&self) -> bool {
+        if let Self::Busy(busy) = self {
+            return busy.has_contacts_only();
+        }
         !matches!(
             self,
             Self::Castle(_)
@@ -216,6 +227,7 @@ impl Scene {
             Self::Bridge(n) => site.bridge(n),
             Self::Ragdolls(n) => site.ragdolls(n),
             Self::Pressed(n) => Some(site.pressed(n)),
+            Self::Busy(busy) => site.busy(busy),
         };
         Built {
             bodies: site.bodies,

@@ -1,5 +1,6 @@
 //! Scenes by name, there and back.
 
+use super::busy::name as busy;
 use super::{Grain, Scene};
 use std::fmt;
 use std::num::IntErrorKind;
@@ -10,7 +11,9 @@ use std::str::FromStr;
 pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, tower:N, arch:N, dome:N, castle:N, heap:N, \
     pile:balls|capsules|cylinders|hulls:N, dominoes:N, incline:DEG, massratio:R[xN], cardhouse:N, \
     cantilever:N, rolling, sliding, dropped, overlap:M, pressed:N, chain:N, bridge:N, \
-    ragdolls:N";
+    ragdolls:N, large_pyramid:N, many_pyramids:N, joint_grid:[seven:|corner:]N, rain:N, convex_pile:N, smash:N, \
+    spinner:N, tumbler:kinematic|hinge:N, washer:N, junkyard:N, mesh_drop:N, field_drop:N, \
+    compounds:NxPARTS, voxels:NxCUBES, large_world:N, flyers:N:SPEED";
 
 /// The kinds of piles, by name.
 const GRAINS: [(Grain, &str); 4] = [
@@ -67,63 +70,105 @@ impl fmt::Display for SceneError {
 
 impl std::error::Error for SceneError {}
 
+/// The name of a scene: its kind and what follows the first colon.
+pub(super) struct Name<'a> {
+    full: &'a str,
+    pub kind: &'a str,
+    pub size: &'a str,
+}
+
+impl<'a> Name<'a> {
+    fn new(full: &'a str) -> Self {
+        let (kind, size) = full.split_once(':').unwrap_or((full, ""));
+        Self { full, kind, size }
+    }
+
+    pub fn unknown(&self) -> SceneError {
+        SceneError::Unknown(self.full.to_owned())
+    }
+
+    /// A number of bodies, at least one.
+    pub fn count(&self, text: &str) -> Result<u32, SceneError> {
+        match text.parse::<u32>() {
+            Ok(n) if n > 0 => Ok(n),
+            Err(error) if *error.kind() == IntErrorKind::PosOverflow => {
+                Err(SceneError::TooManyBodies(self.full.to_owned()))
+            }
+            _ => Err(self.unknown()),
+        }
+    }
+
+    pub fn within(&self, x: f32, allowed: RangeInclusive<f32>) -> Result<f32, SceneError> {
+        match allowed.contains(&x) {
+            true => Ok(x),
+            false => Err(SceneError::OutOfRange(self.full.to_owned(), allowed)),
+        }
+    }
+
+    pub fn number(&self, text: &str, allowed: RangeInclusive<f32>) -> Result<f32, SceneError> {
+        self.within(text.parse().map_err(|_| self.unknown())?, allowed)
+    }
+}
+
 impl FromStr for Scene {
     type Err = SceneError;
 
-    fn from_str(name: &str) -> Result<Self, SceneError> {
-        let unknown = || SceneError::Unknown(name.to_owned());
-        let (kind, size) = name.split_once(':').unwrap_or((name, ""));
-        let count_of = |text: &str| match text.parse::<u32>() {
-            Ok(n) if n > 0 => Ok(n),
-            Err(error) if *error.kind() == IntErrorKind::PosOverflow => {
-                Err(SceneError::TooManyBodies(name.to_owned()))
-            }
-            _ => Err(unknown()),
+    fn from_str(text: &str) -> Result<Self, SceneError> {
+        let name = Name::new(text);
+        let scene = match busy::parse(&name) {
+            Some(busy) => Self::Busy(busy?),
+            None => Self::parse(&name)?,
         };
-        let count = || count_of(size);
-        let within = |x: f32, allowed: RangeInclusive<f32>| match allowed.contains(&x) {
-            true => Ok(x),
-            false => Err(SceneError::OutOfRange(name.to_owned(), allowed)),
-        };
-        let number = |text: &str, allowed| within(text.parse().map_err(|_| unknown())?, allowed);
-        let scene = match kind {
+        if scene.bodies() > MAX_BODIES {
+            return Err(SceneError::TooManyBodies(text.to_owned()));
+        }
+        Ok(scene)
+    }
+}
+
+impl Scene {
+    /// A scene that is not one of the busy ones.
+    fn parse(name: &Name) -> Result<Self, SceneError> {
+        let size = name.size;
+        let count = || name.count(size);
+        let scene = match name.kind {
             "wall" => {
-                let (w, h) = size.split_once('x').ok_or_else(unknown)?;
-                Self::Wall(count_of(w)?, count_of(h)?)
+                let (w, h) = size.split_once('x').ok_or_else(|| name.unknown())?;
+                Self::Wall(name.count(w)?, name.count(h)?)
             }
             "stack" => Self::Stack(count()?),
             "pyramid" => Self::Pyramid(count()?),
             "tower" => Self::Tower(count()?),
             "arch" => {
                 let n = count()?;
-                within(n as f32, VOUSSOIRS)?;
+                name.within(n as f32, VOUSSOIRS)?;
                 Self::Arch(n)
             }
             "dome" => Self::Dome(count()?),
             "castle" => {
                 let n = count()?;
-                within(n as f32, COURSES)?;
+                name.within(n as f32, COURSES)?;
                 Self::Castle(n)
             }
             "heap" => Self::Heap(count()?),
             "pile" => {
-                let (grain, n) = size.split_once(':').ok_or_else(unknown)?;
+                let (grain, n) = size.split_once(':').ok_or_else(|| name.unknown())?;
                 let known = GRAINS.iter().find(|(_, known)| *known == grain);
-                let (grain, _) = known.ok_or_else(unknown)?;
-                Self::Pile(*grain, count_of(n)?)
+                let (grain, _) = known.ok_or_else(|| name.unknown())?;
+                Self::Pile(*grain, name.count(n)?)
             }
             "dominoes" => Self::Dominoes(count()?),
-            "incline" => Self::Incline(number(size, SLOPES)?),
+            "incline" => Self::Incline(name.number(size, SLOPES)?),
             "massratio" => {
                 let (ratio, carriers) = match size.split_once('x') {
-                    Some((ratio, n)) => (ratio, count_of(n)?),
+                    Some((ratio, n)) => (ratio, name.count(n)?),
                     None => (size, CARRIERS),
                 };
-                Self::MassRatio(number(ratio, RATIOS)?, carriers)
+                Self::MassRatio(name.number(ratio, RATIOS)?, carriers)
             }
             "cardhouse" => Self::CardHouse(count()?),
             "cantilever" => Self::Cantilever(count()?),
-            "overlap" => Self::Overlap(number(size, OVERLAPS)?),
+            "overlap" => Self::Overlap(name.number(size, OVERLAPS)?),
             "pressed" => Self::Pressed(count()?),
             "chain" => Self::Chain(count()?),
             "bridge" => Self::Bridge(count()?),
@@ -131,11 +176,8 @@ impl FromStr for Scene {
             "rolling" if size.is_empty() => Self::Rolling,
             "sliding" if size.is_empty() => Self::Sliding,
             "dropped" if size.is_empty() => Self::Dropped,
-            _ => return Err(unknown()),
+            _ => return Err(name.unknown()),
         };
-        if scene.bodies() > MAX_BODIES {
-            return Err(SceneError::TooManyBodies(name.to_owned()));
-        }
         Ok(scene)
     }
 }
@@ -169,6 +211,7 @@ impl fmt::Display for Scene {
             Self::Chain(n) => write!(f, "chain:{n}"),
             Self::Bridge(n) => write!(f, "bridge:{n}"),
             Self::Ragdolls(n) => write!(f, "ragdolls:{n}"),
+            Self::Busy(busy) => busy.fmt(f),
         }
     }
 }

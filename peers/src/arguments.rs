@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::busy::BusyTable;
 use crate::play::Play;
 use crate::run::RunArguments;
 use crate::table::Table;
@@ -31,6 +32,8 @@ pub struct Arguments {
 pub enum Command {
     /// Runs the standard scenes and writes one table, as Markdown and CSV, and a plot.
     Table(Table),
+    /// Runs the busy scenes, each with the steps of its benchmark, and writes one table of times, overlaps and joints, as Markdown and CSV.
+    Busy(BusyTable),
     /// Measures what playing on a scene costs in drystone and Rapier, with sleeping on.
     Play(Play),
 }

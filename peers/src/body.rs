@@ -1,7 +1,9 @@
 //! A body of a drystone scene, for all engines.
 
 use bevy_ecs::entity::Entity;
-use drystone::prelude::{Collider, Friction, Pose, Restitution, RigidBody, Velocity};
+use drystone::prelude::{
+    Collider, CollisionLayers, Friction, Pose, Restitution, RigidBody, Velocity,
+};
 
 /// A body before the first step.
 pub struct Body {
@@ -13,4 +15,5 @@ pub struct Body {
     pub density: f32,
     pub friction: Friction,
     pub restitution: Restitution,
+    pub layers: CollisionLayers,
 }

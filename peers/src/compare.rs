@@ -20,6 +20,8 @@ pub struct Comparison {
     pub joints: usize,
     /// Drystone first.
     pub engines: Vec<Entry>,
+    /// Why other engines cannot have the scene.
+    pub refused: Vec<String>,
 }
 
 /// The result of a scene in one engine.
@@ -30,9 +32,9 @@ pub struct Entry {
 }
 
 /// # Errors
-/// If an engine cannot have the scene.
+/// If no other engine can have the scene.
 pub fn compare(scene: Scene, seed: u64, arguments: &RunArguments) -> Result<Comparison, String> {
-    let (conditions, course) = (arguments.conditions(), arguments.course());
+    let (conditions, course) = (arguments.conditions(scene), arguments.course(scene));
     let (run, bodies, joints) = scene::build(scene, seed, conditions)?;
     let start = Start {
         bodies: &bodies,
@@ -41,15 +43,21 @@ pub fn compare(scene: Scene, seed: u64, arguments: &RunArguments) -> Result<Comp
         conditions,
     };
     let mut engines: Vec<Box<dyn Engine>> = Vec::new();
+    let mut refused = Vec::new();
     for peer in arguments.peers() {
-        let started = peer.start(&start, arguments.rapier());
-        engines.push(started.map_err(|why| format!("--scene {scene}: {why}"))?);
+        match peer.start(&start, arguments.rapier()) {
+            Ok(engine) => engines.push(engine),
+            Err(why) => refused.push(why),
+        }
+    }
+    if engines.is_empty() {
+        return Err(format!("--scene {scene}: {}", refused.join("; ")));
     }
     let own = Drystone::new(run.world, &bodies, conditions.dt);
     engines.insert(0, Box::new(own));
     let mut metered: Vec<_> = engines
         .into_iter()
-        .map(|engine| Metered::new(engine, &bodies, &joints, conditions.dt))
+        .map(|engine| Metered::new(engine, &start))
         .collect();
     let mut left = course.steps;
     while left > 0 {
@@ -62,7 +70,7 @@ pub fn compare(scene: Scene, seed: u64, arguments: &RunArguments) -> Result<Comp
     let entry = |metered: &Metered<Box<dyn Engine>>| Entry {
         name: metered.engine.name(),
         effort: metered.engine.effort(),
-        outcome: metered.outcome(&bodies),
+        outcome: metered.outcome(),
     };
     let dynamic = bodies.iter().filter(|b| b.kind == RigidBody::Dynamic);
     Ok(Comparison {
@@ -73,6 +81,7 @@ pub fn compare(scene: Scene, seed: u64, arguments: &RunArguments) -> Result<Comp
         bodies: dynamic.count(),
         joints: joints.len(),
         engines: metered.iter().map(entry).collect(),
+        refused,
     })
 }
 

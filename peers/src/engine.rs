@@ -1,6 +1,6 @@
 //! The interface of an engine that is compared.
 
-use drystone::prelude::{Pose, Vec3};
+use drystone::prelude::{Pose, Velocity};
 
 /// A scene in an engine.
 pub trait Engine {
@@ -18,8 +18,8 @@ pub trait Engine {
     /// The poses of all bodies, in the scene's order.
     fn poses(&self) -> Vec<Pose>;
 
-    /// The velocities of the centres of all dynamic bodies, m/s, as the engine reports them.
-    fn velocities(&self) -> Vec<Vec3>;
+    /// The velocities of all dynamic bodies, as the engine reports them: those of their centres, m/s, and rad/s.
+    fn velocities(&self) -> Vec<Velocity>;
 }
 
 /// The engine's name for the iterations of a step, and their number.
@@ -42,7 +42,7 @@ impl<E: Engine + ?Sized> Engine for Box<E> {
         (**self).poses()
     }
 
-    fn velocities(&self) -> Vec<Vec3> {
+    fn velocities(&self) -> Vec<Velocity> {
         (**self).velocities()
     }
 }

@@ -4,7 +4,7 @@ use crate::body::Body;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
 use drystone::body::SpawnOrder;
-use drystone::joint::{JointAnchor, JointBasis, JointFrame, JointLimits};
+use drystone::joint::{JointAnchor, JointBasis, JointFrame, JointLimits, JointMotor};
 use drystone::prelude::{FixedJoint, Pose, Quat, RevoluteJoint, SphericalJoint, Vec3};
 
 /// A joint before the first step.
@@ -26,6 +26,7 @@ pub enum Kind {
     Revolute {
         angle: Option<JointLimits>,
         friction: f32,
+        motor: Option<Motor>,
     },
     Spherical {
         twist: Option<JointLimits>,
@@ -34,10 +35,33 @@ pub enum Kind {
     },
 }
 
+/// A motor that seeks an angular velocity.
+#[derive(Clone, Copy, Debug)]
+pub struct Motor {
+    /// rad/s
+    pub speed: f32,
+    /// N·m
+    pub torque: f32,
+}
+
+impl Motor {
+    /// # Errors
+    /// If it is a spring, or a damper of finite strength.
+    fn read(motor: &JointMotor) -> Result<Self, String> {
+        match motor.stiffness == 0.0 && motor.damping == f32::INFINITY {
+            true => Ok(Self {
+                speed: motor.target_velocity,
+                torque: motor.max_force,
+            }),
+            false => Err("other engines get motors that seek a velocity only".into()),
+        }
+    }
+}
+
 /// The joints of a scene, in the order in which they were spawned.
 ///
 /// # Errors
-/// If there is one of another kind than fixed, revolute and spherical, or one with a motor.
+/// If there is one of another kind than fixed, revolute and spherical, or one with a spring.
 pub fn read(world: &mut World, bodies: &[Body]) -> Result<Vec<Joint>, String> {
     let mut all = Vec::new();
     let mut joints = world.query::<(Entity, &SpawnOrder)>();
@@ -50,12 +74,10 @@ pub fn read(world: &mut World, bodies: &[Body]) -> Result<Vec<Joint>, String> {
             let frames = [joint.frame1, joint.frame2];
             (ends, frames, Vec3::X, Kind::Fixed, joint.collision)
         } else if let Some(joint) = entity.get::<RevoluteJoint>() {
-            if joint.motor.is_some() {
-                return Err("other engines get no motors".into());
-            }
             let kind = Kind::Revolute {
                 angle: joint.limits,
                 friction: joint.friction,
+                motor: joint.motor.as_ref().map(Motor::read).transpose()?,
             };
             let ends = [joint.body1, joint.body2];
             let frames = [joint.frame1, joint.frame2];

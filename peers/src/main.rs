@@ -10,11 +10,11 @@ mod arguments;
 mod body;
 #[cfg(feature = "box3d")]
 mod box3d;
+mod busy;
 mod compare;
 mod engine;
 mod joint;
 mod meter;
-mod overlap;
 mod own;
 mod peer;
 mod play;
@@ -35,6 +35,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let done = match &arguments.command {
         Some(Command::Table(table)) => table.make(),
+        Some(Command::Busy(busy)) => busy.make(),
         Some(Command::Play(play)) => play.print(),
         None => scenes(&arguments),
     };

@@ -4,7 +4,7 @@ use crate::body::Body;
 use crate::engine::Engine;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
-use drystone::prelude::{Pose, RigidBody, Vec3};
+use drystone::prelude::{Pose, RigidBody, Velocity};
 use drystone_lab::metrics;
 
 /// The world in which the scene was built. Stepped by [`drystone::step`] itself: an experiment's own step measures too, and that
@@ -44,11 +44,11 @@ impl Engine for Drystone {
         self.bodies.iter().map(pose).collect()
     }
 
-    fn velocities(&self) -> Vec<Vec3> {
+    fn velocities(&self) -> Vec<Velocity> {
         self.bodies
             .iter()
             .filter(|(_, kind)| *kind == RigidBody::Dynamic)
-            .map(|(body, _)| metrics::watch(&self.world, *body).1.linear)
+            .map(|(body, _)| metrics::watch(&self.world, *body).1)
             .collect()
     }
 }

@@ -7,12 +7,13 @@ use crate::body::Body;
 use crate::engine::{Effort, Engine};
 use crate::joint::{Joint, Kind};
 use crate::scene::{SLAB, Start};
-use drystone::prelude::{CombineRule, Friction, Pose, Quat, RigidBody, Vec3};
+use drystone::prelude::{CombineRule, Friction, Pose, Quat, RigidBody, Vec3, Velocity};
 use drystone_lab::metrics;
 use drystone_lab::play::{BRICK, Ball, FRICTION, Game};
 use rapier3d::prelude::{
-    CoefficientCombineRule, ColliderBuilder, GenericJoint, GenericJointBuilder, JointAxesMask,
-    JointAxis, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, RigidBodyType, SharedShape,
+    CoefficientCombineRule, ColliderBuilder, GenericJoint, GenericJointBuilder, Group,
+    InteractionGroups, InteractionTestMode, JointAxesMask, JointAxis, PhysicsWorld,
+    RigidBodyBuilder, RigidBodyHandle, RigidBodyType, SharedShape,
 };
 
 /// How a half-space is handed over. Its bounding box is the whole world, so that Rapier's broadphase pairs it with every body
@@ -127,7 +128,13 @@ fn collider(body: &Body, ground: Ground) -> ColliderBuilder {
         _ => ColliderBuilder::new(shape.clone()),
     };
     let (friction, restitution) = (body.friction, body.restitution);
+    let groups = InteractionGroups::new(
+        Group::from_bits_retain(body.layers.memberships),
+        Group::from_bits_retain(body.layers.filters),
+        InteractionTestMode::And,
+    );
     builder
+        .collision_groups(groups)
         .density(body.density)
         .friction(friction.coefficient)
         .friction_combine_rule(rule(friction.rule))
@@ -135,12 +142,17 @@ fn collider(body: &Body, ground: Ground) -> ColliderBuilder {
         .restitution_combine_rule(rule(restitution.rule))
 }
 
+/// Damping of a motor, so that it reaches its velocity or its maximum torque.
+const STIFF: f32 = 1e3;
+
 /// Rapier limits the rotation of a ball about each of three axes. Dry friction is a motor at rest with a maximum torque.
 fn generic_joint(joint: &Joint) -> GenericJoint {
     let turns = [JointAxis::AngX, JointAxis::AngY, JointAxis::AngZ];
     let (locked, limits, friction) = match joint.kind {
         Kind::Fixed => (JointAxesMask::LOCKED_FIXED_AXES, [None; 3], 0.0),
-        Kind::Revolute { angle, friction } => {
+        Kind::Revolute {
+            angle, friction, ..
+        } => {
             let locked = JointAxesMask::LOCKED_REVOLUTE_AXES;
             (locked, [angle, None, None], friction)
         }
@@ -162,11 +174,16 @@ fn generic_joint(joint: &Joint) -> GenericJoint {
             builder = builder.limits(axis, [limits.min, limits.max]);
         }
         if friction > 0.0 && !locked.contains(axis.into()) {
-            // Stiff enough to hold at its maximum.
-            let factor = 1e3;
-            builder = builder.motor_velocity(axis, 0.0, factor);
+            builder = builder.motor_velocity(axis, 0.0, STIFF);
             builder = builder.motor_max_force(axis, friction);
         }
+    }
+    if let Kind::Revolute {
+        motor: Some(motor), ..
+    } = joint.kind
+    {
+        builder = builder.motor_velocity(JointAxis::AngX, motor.speed, STIFF);
+        builder = builder.motor_max_force(JointAxis::AngX, motor.torque);
     }
     builder.build()
 }
@@ -263,14 +280,17 @@ impl Engine for Rapier {
         self.bodies.iter().map(pose).collect()
     }
 
-    fn velocities(&self) -> Vec<Vec3> {
+    fn velocities(&self) -> Vec<Velocity> {
         self.bodies
             .iter()
             .map(|&body| &self.world.bodies[body])
             .filter(|body| body.is_dynamic())
             .map(|body| match body.is_enabled() {
-                true => body.linvel(),
-                false => Vec3::NAN,
+                true => Velocity {
+                    linear: body.linvel(),
+                    angular: body.angvel(),
+                },
+                false => Velocity::linear(Vec3::NAN),
             })
             .collect()
     }

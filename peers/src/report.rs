@@ -45,6 +45,8 @@ impl fmt::Display for Comparison {
         let metres = |x: f32| format!("{x:.5}");
         row("step, median", "ms", &|o| ms(o.step_time.median))?;
         row("step, 95 %", "ms", &|o| ms(o.step_time.p95))?;
+        row("step, mean", "ms", &|o| ms(o.busy_time.mean))?;
+        row("step, 99 %", "ms", &|o| ms(o.busy_time.p99))?;
         row("step, mean once settled", "ms", &|o| ms(o.settled_time))?;
         row("fell at", "s", &|o| {
             o.fell_at.map_or("stands".to_owned(), |t| format!("{t:.2}"))
@@ -54,6 +56,12 @@ impl fmt::Display for Comparison {
         row("tilt", "rad", &|o| metres(o.displacement.tilt))?;
         row("RMS speed, last second", "m/s", &|o| metres(o.rms_speed))?;
         row("deepest overlap, at the end", "m", &|o| metres(o.overlap))?;
+        row("deepest overlap, during", "m", &|o| {
+            metres(o.overlap_during)
+        })?;
+        row("energy gained", "%", &|o| {
+            format!("{:.3}", 100.0 * o.energy_gain)
+        })?;
         if self.joints > 0 {
             let mm = |o: &Outcome, i: usize| {
                 o.stretch
@@ -70,7 +78,10 @@ impl fmt::Display for Comparison {
         for peer in self.peers() {
             write!(f, " {:>12.2}", self.settled_ratio(peer))?;
         }
-        writeln!(f, "  (means once settled)")
+        writeln!(f, "  (means once settled)")?;
+        self.refused
+            .iter()
+            .try_for_each(|why| writeln!(f, "  not measured: {why}"))
     }
 }
 
@@ -118,6 +129,12 @@ fn engine(outcome: &Outcome) -> Map<String, Value> {
         "tilt_rad": outcome.displacement.tilt,
         "rms_speed_m_s": outcome.rms_speed,
         "overlap_max_m": outcome.overlap,
+        "overlap_during_m": outcome.overlap_during,
+        "energy_gain": outcome.energy_gain,
+        "step_ms_mean": ms(outcome.busy_time.mean),
+        "step_ms_p99": ms(outcome.busy_time.p99),
+        "step_ms_max": ms(outcome.busy_time.largest),
+        "step_ms_last_fifth": ms(outcome.busy_time.last),
         "step_ms_settled": ms(outcome.settled_time),
         "joint_gap_max_m": outcome.stretch.map(|stretch| stretch[0]),
         "joint_gap_last_second_m": outcome.stretch.map(|stretch| stretch[1]),

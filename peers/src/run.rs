@@ -4,7 +4,7 @@ use crate::peer::Peer;
 use crate::rapier;
 use crate::scene::Conditions;
 use clap::Args;
-use drystone_lab::scenes::Ground;
+use drystone_lab::scenes::{Ground, Scene};
 
 /// The arguments of a run, for all commands.
 #[derive(Args, Clone)]
@@ -12,9 +12,9 @@ pub struct RunArguments {
     /// Another engine; may be given several times. Default: all engines of this build.
     #[arg(long, value_enum)]
     engine: Vec<Peer>,
-    /// Number of steps.
-    #[arg(long, default_value_t = 600, value_parser = count)]
-    steps: usize,
+    /// Number of steps. Default: 600, and of busy scenes that of their benchmark.
+    #[arg(long, value_parser = count)]
+    steps: Option<usize>,
     /// Number of steps that an engine takes before the next engine's turn.
     #[arg(long, default_value_t = 30, value_parser = count)]
     turn: usize,
@@ -47,18 +47,23 @@ pub struct Course {
 }
 
 impl RunArguments {
-    pub fn conditions(&self) -> Conditions {
+    /// Busy scenes say whether their bodies sleep.
+    pub fn conditions(&self, scene: Scene) -> Conditions {
         Conditions {
             dt: self.dt,
             threads: self.threads,
             ground: self.ground,
-            sleeping: false,
+            sleeping: matches!(scene, Scene::Busy(busy) if busy.sleeps()),
         }
     }
 
-    pub fn course(&self) -> Course {
+    pub fn course(&self, scene: Scene) -> Course {
+        let usual = match scene {
+            Scene::Busy(busy) => busy.steps(),
+            _ => 600,
+        };
         Course {
-            steps: self.steps,
+            steps: self.steps.unwrap_or(usual),
             turn: self.turn,
         }
     }

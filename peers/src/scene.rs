@@ -8,7 +8,8 @@ use crate::joint::{self, Joint};
 use bevy_ecs::entity::Entity;
 use bevy_transform::components::Transform;
 use drystone::prelude::{
-    Collider, Density, Friction, Mass, Pose, Restitution, RigidBody, Vec3, Velocity,
+    Collider, CollisionLayers, Density, Friction, Mass, Pose, Restitution, RigidBody, Vec3,
+    Velocity,
 };
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone_lab::experiment::{Experiment, Run};
@@ -80,13 +81,22 @@ pub fn read(run: &mut Run) -> Vec<Body> {
         &Transform,
         &Velocity,
         (Option<&Density>, Option<&Mass>),
-        Option<&Friction>,
-        Option<&Restitution>,
+        (Option<&Friction>, Option<&Restitution>),
+        Option<&CollisionLayers>,
     )>();
     let mut bodies: Vec<Body> = all
         .iter(&run.world)
         .map(
-            |(entity, kind, collider, transform, velocity, mass, friction, restitution)| Body {
+            |(
+                entity,
+                kind,
+                collider,
+                transform,
+                velocity,
+                mass,
+                (friction, restitution),
+                layers,
+            )| Body {
                 entity,
                 kind: *kind,
                 collider: collider.clone(),
@@ -98,6 +108,7 @@ pub fn read(run: &mut Run) -> Vec<Body> {
                 density: density(collider, mass),
                 friction: friction.copied().unwrap_or_default(),
                 restitution: restitution.copied().unwrap_or_default(),
+                layers: layers.copied().unwrap_or_default(),
             },
         )
         .collect();

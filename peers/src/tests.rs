@@ -5,8 +5,7 @@ use crate::body::Body;
 use crate::compare::compare;
 use crate::engine::Engine;
 use crate::joint;
-use crate::meter::Metered;
-use crate::overlap;
+use crate::meter::{Metered, Overlaps};
 use crate::own::Drystone;
 use crate::peer::Peer;
 use crate::rapier::{self, Ground, Rapier};
@@ -15,7 +14,9 @@ use bevy_ecs::entity::Entity;
 use bevy_transform::components::Transform;
 use clap::Parser;
 use drystone::body::MassProperties;
-use drystone::prelude::{Collider, Friction, Pose, Quat, RigidBody, Vec3, Velocity};
+use drystone::prelude::{
+    Collider, Friction, Pose, Quat, RigidBody, SphericalJoint, Vec3, Velocity,
+};
 use drystone::settings::Gravity;
 use drystone_lab::experiment::Run;
 use drystone_lab::metrics::Displacement;
@@ -103,9 +104,10 @@ type Mass = (f32, Vec3, [f32; 3]);
 
 #[track_caller]
 fn same_mass(scene: &str, a: Mass, b: Mass) {
-    let same = |a: f32, b: f32| (a - b).abs() <= 1e-4 * a.abs().max(b.abs());
+    // Moments of hulls are rounded otherwise in parry than in drystone.
+    let same = |a: f32, b: f32| (a - b).abs() <= 1e-3 * a.abs().max(b.abs());
     assert!(same(a.0, b.0), "{scene}: {} kg and {} kg", a.0, b.0);
-    assert!(a.1.distance(b.1) < 1e-6, "{scene}: {} and {}", a.1, b.1);
+    assert!(a.1.distance(b.1) < 1e-4, "{scene}: {} and {}", a.1, b.1);
     // The choice of the first axis is arbitrary.
     let sorted = |mut inertia: [f32; 3]| {
         inertia.sort_by(f32::total_cmp);
@@ -116,7 +118,7 @@ fn same_mass(scene: &str, a: Mass, b: Mass) {
     }
 }
 
-const MASSES: [&str; 7] = [
+const MASSES: [&str; 14] = [
     "wall:4x4",
     "arch:7",
     "heap:20",
@@ -124,6 +126,13 @@ const MASSES: [&str; 7] = [
     "rolling",
     "chain:3",
     "ragdolls:1",
+    "compounds:3x7",
+    "voxels:3x9",
+    "convex_pile:2",
+    "rain:1",
+    "tumbler:hinge:2",
+    "junkyard:2",
+    "field_drop:8",
 ];
 
 /// Drystone's own masses of a scene's dynamic bodies, computed in its first step, with their indices.
@@ -160,16 +169,17 @@ fn rapier_has_the_same_masses() {
 #[cfg(feature = "box3d")]
 #[test]
 fn box3d_has_the_same_masses() {
+    use rapier3d::math::Matrix;
+    use rapier3d::parry::mass_properties::MassProperties;
     for scene in MASSES {
         let (own, bodies) = own_masses(scene);
         let box3d = crate::box3d::Box3d::new(&unjointed(&bodies)).unwrap();
         for (i, own) in own {
             let (mass, center, [x, y, z]) = box3d.mass(i);
-            // All these bodies lie along their own axes.
-            let off = [x.y, x.z, y.x, y.z, z.x, z.y];
-            let inertia = [x.x, y.y, z.z];
-            assert!(off.iter().all(|o| o.abs() < 1e-4 * inertia[0]), "{scene}");
-            same_mass(scene, own, (mass, center, inertia));
+            let inertia = Matrix::from_cols(x, y, z);
+            let principal = MassProperties::with_inertia_matrix(center, mass, inertia);
+            let principal = principal.principal_inertia().to_array();
+            same_mass(scene, own, (mass, center, principal));
         }
     }
 }
@@ -188,9 +198,9 @@ fn a_cube_stands_on_the_ground_where_it_was_put() {
         assert!(sunk.abs() < most, "{name}: sunk by {sunk} m");
         let aside = (pose.position - start).with_y(0.0).length();
         assert!(aside < 1e-4, "{name}: {aside} m aside");
-        let speed = engine.velocities()[0].length();
+        let speed = engine.velocities()[0].linear.length();
         assert!(speed < 1e-3, "{name}: {speed} m/s");
-        let overlap = overlap::deepest(&bodies, &engine.poses());
+        let overlap = Overlaps::new(&bodies, &[]).deepest(&engine.poses());
         let expected = (0.5 - pose.position.y).max(0.0);
         assert!((overlap - expected).abs() < 1e-5, "{name}: {overlap} m");
     }
@@ -216,7 +226,7 @@ fn a_ball_falls_as_bodies_do() {
         let limit = 0.5 * G * t * CONDITIONS.dt + 1e-3;
         assert!(off.abs() < limit, "{name}: off by {off} m");
         assert!(fallen.with_y(0.0).length() < 1e-6, "{name}: {fallen}");
-        let speed = engine.velocities()[0].y;
+        let speed = engine.velocities()[0].linear.y;
         assert!((speed + G * t).abs() < 1e-3, "{name}: {speed} m/s");
     }
 }
@@ -248,14 +258,14 @@ fn a_slab_meets_the_same_ground_in_all() {
 fn an_arch_stands_for_a_second() {
     let (mut engines, bodies) = all("arch:7");
     let start: Vec<Pose> = bodies.iter().map(|body| body.pose).collect();
-    let overlap = overlap::deepest(&bodies, &start);
+    let overlap = Overlaps::new(&bodies, &[]).deepest(&start);
     assert!(overlap < 1e-5, "{overlap} m at the start");
     for engine in &mut engines {
         steps(engine, 60);
         let (name, poses) = (engine.name(), engine.poses());
         let moved = Displacement::between(&start, &poses);
         assert!(moved.drift < 0.05 && moved.sag < 0.05, "{name}: {moved:?}");
-        let overlap = overlap::deepest(&bodies, &poses);
+        let overlap = Overlaps::new(&bodies, &[]).deepest(&poses);
         assert!(overlap < 0.02, "{name}: {overlap} m");
     }
 }
@@ -281,10 +291,113 @@ fn joints_hold_in_all() {
     }
 }
 
+/// A motor has the same sense and speed in all, and what is kinematic turns as it should.
+#[test]
+fn drums_turn_alike() {
+    for scene in ["tumbler:hinge:1", "tumbler:kinematic:1", "washer:1"] {
+        let (mut engines, bodies) = all(scene);
+        let drum = bodies
+            .iter()
+            .position(|body| body.collider.shape().as_compound().is_some())
+            .unwrap();
+        for engine in &mut engines {
+            steps(engine, 60);
+            let pose = engine.poses()[drum];
+            let turned = pose.rotation * Vec3::X;
+            let expected = Quat::from_rotation_z(25f32.to_radians()) * Vec3::X;
+            let off = turned.distance(expected);
+            let name = engine.name();
+            assert!(off < 2e-2, "{scene} in {name}: off by {off}");
+            let moved = pose.position.distance(bodies[drum].pose.position);
+            assert!(moved < 2e-2, "{scene} in {name}: {moved} m");
+        }
+    }
+}
+
+/// Bodies come to rest on waves in all, not below them: triangles and fields are where they should be, and face up.
+#[test]
+fn waves_carry_in_all() {
+    for scene in ["mesh_drop:8", "field_drop:8"] {
+        let (mut engines, bodies) = all(scene);
+        for engine in &mut engines {
+            steps(engine, 240);
+            let overlap = Overlaps::new(&bodies, &[]).deepest(&engine.poses());
+            let name = engine.name();
+            assert!(overlap < 0.03, "{scene} in {name}: {overlap} m");
+            let poses = engine.poses();
+            let low = poses[1..].iter().map(|pose| pose.position.y);
+            let low = low.fold(f32::INFINITY, f32::min);
+            assert!(low > 0.1, "{scene} in {name}: at {low} m");
+        }
+    }
+}
+
+/// What a filter or a joint keeps apart is not counted, and neither engine lets it collide.
+#[test]
+fn filters_hold_in_all() {
+    let (_, bodies, joints) = scene::build("rain:1".parse().unwrap(), 1, CONDITIONS).unwrap();
+    let start: Vec<Pose> = bodies.iter().map(|body| body.pose).collect();
+    let overlap = Overlaps::new(&bodies, &joints).deepest(&start);
+    assert!(overlap < 0.01, "{overlap} m at the start");
+    assert!(Overlaps::new(&bodies, &[]).deepest(&start) > 0.05);
+    // Balls of a net are 0.8 m wide and could not be 0.5 m apart.
+    let near = |run: &mut Run| {
+        for (i, &ball) in run.bodies.clone().iter().enumerate() {
+            let mut ball = run.world.entity_mut(ball);
+            ball.get_mut::<Transform>().unwrap().translation = Vec3::new(0.5 * i as f32, 9.0, 0.0);
+        }
+        let joints = run
+            .world
+            .query_filtered::<Entity, bevy_ecs::query::With<SphericalJoint>>();
+        let joints: Vec<Entity> = { joints }.iter(&run.world).collect();
+        joints
+            .into_iter()
+            .for_each(|joint| assert!(run.world.despawn(joint)));
+    };
+    let (run, _, _) = scene::build("joint_grid:2".parse().unwrap(), 1, CONDITIONS).unwrap();
+    let mut run = run;
+    near(&mut run);
+    let bodies = scene::read(&mut run);
+    let start = unjointed(&bodies);
+    let peers = Peer::BUILT.iter();
+    let mut engines: Vec<_> = peers
+        .map(|peer| peer.start(&start, options(Ground::Slab)).unwrap())
+        .collect();
+    engines.push(Box::new(Drystone::new(run.world, &bodies, CONDITIONS.dt)));
+    for engine in &mut engines {
+        steps(engine, 30);
+        for (body, pose) in bodies.iter().zip(engine.poses()) {
+            let aside = (pose.position - body.pose.position).with_y(0.0).length();
+            assert!(aside < 1e-4, "{}: {aside} m", engine.name());
+        }
+    }
+}
+
+/// A swinging net keeps its energy to a share, and a clump in flight all of it.
+#[test]
+fn energy_is_kept() {
+    for (scene, lost) in [("flyers:2:5", 1e-4), ("joint_grid:corner:4", 0.2)] {
+        let (run, bodies, joints) = scene::build(scene.parse().unwrap(), 1, CONDITIONS).unwrap();
+        let start = Start {
+            bodies: &bodies,
+            joints: &joints,
+            gravity: run.world.resource::<Gravity>().0,
+            conditions: CONDITIONS,
+        };
+        let engine = Drystone::new(run.world, &bodies, CONDITIONS.dt);
+        let mut metered = Metered::new(engine, &start);
+        metered.steps(60);
+        let outcome = metered.outcome();
+        let gained = outcome.energy_gain;
+        assert!((-lost..1e-3).contains(&gained), "{scene}: {gained}");
+        assert!(outcome.busy_time.mean <= outcome.busy_time.largest);
+    }
+}
+
 #[test]
 fn overlap_is_what_was_built() {
     let (engines, bodies) = all("overlap:0.125");
-    let deepest = overlap::deepest(&bodies, &engines[1].poses());
+    let deepest = Overlaps::new(&bodies, &[]).deepest(&engines[1].poses());
     assert!((deepest - 0.125).abs() < 1e-5, "{deepest}");
 }
 
@@ -300,9 +413,9 @@ fn what_is_lost_has_fallen() {
     drystone.world().entity_mut(lost).insert(nowhere);
     let engines: [Box<dyn Engine>; 2] = [Box::new(drystone), Box::new(rapier)];
     for engine in engines {
-        let mut metered = Metered::new(engine, &bodies, &[], CONDITIONS.dt);
+        let mut metered = Metered::new(engine, &unjointed(&bodies));
         metered.steps(5);
-        let outcome = metered.outcome(&bodies);
+        let outcome = metered.outcome();
         assert!(outcome.fell_at.is_some() && outcome.displacement.has_fallen());
         assert!(outcome.rms_speed.is_nan() && outcome.overlap == f32::INFINITY);
         assert!(outcome.stretch.is_none());
@@ -328,6 +441,7 @@ fn body(collider: Collider, friction: f32) -> Body {
         density: 1000.0,
         friction: Friction::new(friction),
         restitution: Default::default(),
+        layers: Default::default(),
     }
 }
 
@@ -481,6 +595,43 @@ fn a_table_writes_its_files() {
     let png = fs::read(folder.join("table.png")).unwrap();
     assert_eq!(&png[1..4], b"PNG");
     assert_eq!(png, fs::read(&picture).unwrap());
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_busy_table_writes_its_files() {
+    let folder = folder("busy");
+    let out = folder.to_str().unwrap();
+    let readme = folder.join("README.md");
+    fs::write(
+        &readme,
+        "before\n<!-- busy table -->\nold\n<!-- end -->\nafter\n",
+    )
+    .unwrap();
+    let update = readme.to_str().unwrap();
+    let scenes = "smash:8,joint_grid:corner:3,large_world:10,pile:cylinders:2";
+    let line = [
+        "busy", "--scenes", scenes, "--steps", "20", "--out", out, "--update", update,
+    ];
+    let Some(Command::Busy(busy)) = parsed(&line).command else {
+        panic!("a busy table was asked for");
+    };
+    busy.make().unwrap();
+    let csv = fs::read_to_string(folder.join("busy.csv")).unwrap();
+    let lines: Vec<&str> = csv.lines().collect();
+    // Box3D has no cylinders.
+    let engines = 1 + Peer::BUILT.len();
+    assert_eq!(lines.len(), 1 + 3 * engines + 2, "{csv}");
+    let columns = lines[0].split(',').count();
+    assert!(lines.iter().all(|l| l.split(',').count() == columns));
+    assert!(csv.contains("large_world:10,10,20,true,drystone"), "{csv}");
+    let page = fs::read_to_string(&readme).unwrap();
+    assert!(page.starts_with("before\n") && page.ends_with("\nafter\n"));
+    let table: Vec<&str> = page.lines().filter(|line| line.starts_with('|')).collect();
+    assert_eq!(table.len(), 6, "{page}");
+    let columns = |line: &str| line.matches('|').count();
+    assert!(table.iter().all(|l| columns(l) == columns(table[0])));
+    assert_eq!(page.contains("– in `pile:cylinders:2`"), engines == 3);
     fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -1,18 +1,22 @@
 //! The mirror: the same bodies in Box3D, at Box3D's default settings.
 //!
-//! Box3D has spheres, capsules and convex hulls of its own, so that shapes are made anew from their sizes and corners, and masses
-//! follow from its own code; a test holds them against drystone's.
+//! Box3D has spheres, capsules, convex hulls, meshes and height fields of its own, so that shapes are made anew from their sizes and
+//! corners, and masses follow from its own code; a test holds them against drystone's. A body may have several shapes, as compounds do.
 
+#[allow(unsafe_code)]
+mod data;
+mod shape;
 #[allow(unsafe_code)]
 mod world;
 
 use crate::body::Body;
 use crate::engine::{Effort, Engine};
 use crate::joint::Kind;
-use crate::scene::{SLAB, Start};
-use drystone::prelude::{CombineRule, Pose, Quat, RigidBody, Vec3};
+use crate::scene::Start;
+use drystone::prelude::{CombineRule, Pose, RigidBody, Velocity};
 use drystone_lab::metrics;
-use world::{Description, SUBSTEPS, Shape, World};
+use shape::shapes;
+use world::{Description, SUBSTEPS, World};
 
 /// A scene in Box3D.
 pub struct Box3d {
@@ -37,7 +41,7 @@ impl Box3d {
             let most = box3d_sys::B3_MAX_WORKERS;
             return Err(format!("--threads {threads}: Box3D has {most} at most"));
         }
-        let mut world = World::new(gravity, threads)?;
+        let mut world = World::new(gravity, threads, conditions.sleeping)?;
         for body in bodies {
             add(&mut world, body)?;
         }
@@ -59,7 +63,10 @@ impl Box3d {
     }
 
     #[cfg(test)]
-    pub fn mass(&self, body: usize) -> (f32, Vec3, [Vec3; 3]) {
+    pub fn mass(
+        &self,
+        body: usize,
+    ) -> (f32, drystone::prelude::Vec3, [drystone::prelude::Vec3; 3]) {
         self.world.mass(body)
     }
 }
@@ -94,39 +101,9 @@ fn add(world: &mut World, body: &Body) -> Result<(), String> {
         density: body.density,
         friction: body.friction.coefficient,
         restitution: body.restitution.coefficient,
+        layers: body.layers,
     };
-    let shape = body.collider.shape();
-    let upright = |half| Shape::Box {
-        half,
-        center: Vec3::ZERO,
-        rotation: Quat::IDENTITY,
-    };
-    if let Some(cuboid) = shape.as_cuboid() {
-        world.add(&description, &upright(cuboid.half_extents))
-    } else if let Some(half_space) = shape.as_halfspace() {
-        // Box3D has none: as Rapier's slab, with its upper face where the surface was.
-        let up = half_space.normal;
-        let slab = Shape::Box {
-            half: SLAB,
-            center: -SLAB.y * up,
-            rotation: Quat::from_rotation_arc(Vec3::Y, up),
-        };
-        world.add(&description, &slab)
-    } else if let Some(ball) = shape.as_ball() {
-        let radius = ball.radius;
-        world.add(&description, &Shape::Sphere { radius })
-    } else if let Some(capsule) = shape.as_capsule() {
-        let (ends, radius) = ([capsule.segment.a, capsule.segment.b], capsule.radius);
-        world.add(&description, &Shape::Capsule { ends, radius })
-    } else if let Some(hull) = shape.as_convex_polyhedron() {
-        let corners = hull.points();
-        world.add(&description, &Shape::Hull { corners })
-    } else {
-        let lacked = shape.shape_type();
-        Err(format!(
-            "Box3D has no shape {lacked:?}, or not as drystone has it"
-        ))
-    }
+    world.add(&description, &shapes(body.collider.shape())?)
 }
 
 impl Engine for Box3d {
@@ -150,7 +127,7 @@ impl Engine for Box3d {
         (0..self.world.len()).map(pose).collect()
     }
 
-    fn velocities(&self) -> Vec<Vec3> {
+    fn velocities(&self) -> Vec<Velocity> {
         let kinds = self.kinds.iter().enumerate();
         let dynamic = kinds.filter(|(_, kind)| **kind == RigidBody::Dynamic);
         dynamic.map(|(body, _)| self.world.velocity(body)).collect()

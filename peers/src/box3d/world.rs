@@ -3,9 +3,11 @@
 //! Box3D checks what it is given by assertions, which a release build of it does not have. So what goes in is checked here, and
 //! bodies are told by their index in the world that made them, never by Box3D's own handles, which would outlive it.
 
-use crate::joint::{Joint, Kind};
+use super::data::{Field, Hull, Mesh};
+use super::shape::Shape;
+use crate::joint::{Joint, Kind, Motor};
 use box3d_sys as b3;
-use drystone::prelude::{Pose, Quat, RigidBody, Vec3};
+use drystone::prelude::{CollisionLayers, Pose, Quat, RigidBody, Vec3, Velocity};
 use std::sync::{Mutex, PoisonError};
 
 /// Substeps of a step: what Box3D's own documentation recommends, and its samples have.
@@ -18,8 +20,14 @@ static WORLDS: Mutex<()> = Mutex::new(());
 pub struct World {
     id: b3::b3WorldId,
     bodies: Vec<b3::b3BodyId>,
+    /// From the origin of a scene's body to that of Box3D's, in the body's frame, m.
+    offsets: Vec<Vec3>,
     /// A body that does not move and has no shape: the world, for joints.
     rest: Option<b3::b3BodyId>,
+    /// What shapes refer to. It is dropped after the world.
+    meshes: Vec<Mesh>,
+    fields: Vec<Field>,
+    sleeping: bool,
 }
 
 /// A body before the first step.
@@ -35,39 +43,21 @@ pub struct Description {
     pub density: f32,
     pub friction: f32,
     pub restitution: f32,
-}
-
-/// A shape in its body's frame, m.
-pub enum Shape<'a> {
-    Box {
-        half: Vec3,
-        center: Vec3,
-        rotation: Quat,
-    },
-    Sphere {
-        radius: f32,
-    },
-    Capsule {
-        ends: [Vec3; 2],
-        radius: f32,
-    },
-    Hull {
-        corners: &'a [Vec3],
-    },
+    pub layers: CollisionLayers,
 }
 
 impl World {
-    /// An empty one, with sleeping off and everything else as it comes.
+    /// An empty one, with sleeping on or off and everything else as it comes.
     ///
     /// # Errors
     /// If Box3D has no room for another world.
-    pub fn new(gravity: Vec3, threads: u32) -> Result<Self, String> {
+    pub fn new(gravity: Vec3, threads: u32, sleeping: bool) -> Result<Self, String> {
         let _guard = WORLDS.lock().unwrap_or_else(PoisonError::into_inner);
         // SAFETY: the definition is Box3D's own with plain numbers changed, and no other code creates or destroys a world meanwhile.
         let id = unsafe {
             let mut definition = b3::b3DefaultWorldDef();
             definition.gravity = vec3(gravity);
-            definition.enableSleep = false;
+            definition.enableSleep = sleeping;
             // More than one make Box3D start its own threads.
             definition.workerCount = threads;
             b3::b3CreateWorld(&definition)
@@ -77,23 +67,28 @@ impl World {
             _ => Ok(Self {
                 id,
                 bodies: Vec::new(),
+                offsets: Vec::new(),
                 rest: None,
+                meshes: Vec::new(),
+                fields: Vec::new(),
+                sleeping,
             }),
         }
     }
 
+    /// Adds a body of one shape or several.
+    ///
     /// # Errors
-    /// If a number is not finite or a size is not positive, or Box3D cannot make a hull of its corners.
-    pub fn add(&mut self, body: &Description, shape: &Shape) -> Result<(), String> {
-        if !(body.is_sound() && shape.is_sound()) {
+    /// If a number is not finite or a size is not positive, or Box3D cannot make a hull, mesh or field.
+    pub fn add(&mut self, body: &Description, shapes: &[Shape]) -> Result<(), String> {
+        if !(body.is_sound() && shapes.iter().all(Shape::is_sound)) {
             return Err("Box3D takes no body with a size or number that is no good".into());
         }
-        let hull = match shape {
-            Shape::Hull { corners } => Some(Hull::new(corners)?),
-            _ => None,
-        };
+        let made: Vec<Made> = shapes.iter().map(Made::new).collect::<Result<_, _>>()?;
+        let offset = shapes.iter().find_map(Shape::offset).unwrap_or_default();
         // SAFETY: the world lives as long as `self`, definitions are Box3D's own with plain numbers changed, and all of them are
-        // sound. Box3D copies definitions and shapes, so that none need outlive the call.
+        // sound. Box3D copies definitions and shapes, so that none need outlive the call, except meshes and fields, which are kept until
+        // the world is dropped.
         unsafe {
             let mut definition = b3::b3DefaultBodyDef();
             definition.type_ = match body.kind {
@@ -101,50 +96,35 @@ impl World {
                 RigidBody::Static => b3::b3BodyType_b3_staticBody,
                 RigidBody::Kinematic => b3::b3BodyType_b3_kinematicBody,
             };
-            definition.position = vec3(body.pose.position);
+            definition.position = vec3(body.pose.position + body.pose.rotation * offset);
             definition.rotation = quat(body.pose.rotation);
             definition.linearVelocity = vec3(body.linear);
             definition.angularVelocity = vec3(body.angular);
-            definition.enableSleep = false;
+            definition.enableSleep = self.sleeping;
             let id = b3::b3CreateBody(self.id, &definition);
             self.bodies.push(id);
+            self.offsets.push(offset);
 
             let mut surface = b3::b3DefaultShapeDef();
             surface.density = body.density;
             surface.baseMaterial.friction = body.friction;
             surface.baseMaterial.restitution = body.restitution;
-            match *shape {
-                Shape::Box {
-                    half,
-                    center,
-                    rotation,
-                } => {
-                    let frame = b3::b3Transform {
-                        p: vec3(center),
-                        q: quat(rotation),
-                    };
-                    let hull = b3::b3MakeTransformedBoxHull(half.x, half.y, half.z, frame);
-                    // A box's hull begins with what all hulls begin with, and its offsets reach into the rest.
-                    b3::b3CreateHullShape(id, &surface, (&raw const hull).cast());
-                }
-                Shape::Sphere { radius } => {
-                    let center = vec3(Vec3::ZERO);
-                    let sphere = b3::b3Sphere { center, radius };
-                    b3::b3CreateSphereShape(id, &surface, &sphere);
-                }
-                Shape::Capsule { ends, radius } => {
-                    let [center1, center2] = ends.map(vec3);
-                    let capsule = b3::b3Capsule {
-                        center1,
-                        center2,
-                        radius,
-                    };
-                    b3::b3CreateCapsuleShape(id, &surface, &capsule);
-                }
-                Shape::Hull { .. } => {
-                    let hull = hull.expect("made above");
-                    b3::b3CreateHullShape(id, &surface, hull.0);
-                }
+            surface.filter.categoryBits = body.layers.memberships.into();
+            surface.filter.maskBits = body.layers.filters.into();
+            // Once, after the last shape.
+            surface.updateBodyMass = false;
+            for (shape, made) in shapes.iter().zip(&made) {
+                attach(id, &surface, shape, made);
+            }
+            if body.kind == RigidBody::Dynamic {
+                b3::b3Body_ApplyMassFromShapes(id);
+            }
+        }
+        for made in made {
+            match made {
+                Made::Mesh(mesh) => self.meshes.push(mesh),
+                Made::Field(field) => self.fields.push(field),
+                Made::Plain | Made::Hull(_) => {}
             }
         }
         Ok(())
@@ -187,15 +167,25 @@ impl World {
                     place(&mut definition.base);
                     b3::b3CreateWeldJoint(self.id, &definition);
                 }
-                Kind::Revolute { angle, friction } => {
+                Kind::Revolute {
+                    angle,
+                    friction,
+                    motor,
+                } => {
                     let mut definition = b3::b3DefaultRevoluteJointDef();
                     place(&mut definition.base);
                     if let Some(limits) = angle {
                         definition.enableLimit = true;
                         (definition.lowerAngle, definition.upperAngle) = (limits.min, limits.max);
                     }
-                    definition.enableMotor = friction > 0.0;
-                    definition.maxMotorTorque = friction;
+                    // Dry friction is a motor at rest.
+                    let motor = motor.unwrap_or(Motor {
+                        speed: 0.0,
+                        torque: friction,
+                    });
+                    definition.enableMotor = motor.torque > 0.0;
+                    definition.motorSpeed = motor.speed;
+                    definition.maxMotorTorque = motor.torque;
                     b3::b3CreateRevoluteJoint(self.id, &definition);
                 }
                 Kind::Spherical {
@@ -243,17 +233,25 @@ impl World {
         let id = self.bodies[body];
         // SAFETY: the body lives as long as its world, and that as long as `self`.
         let (p, q) = unsafe { (b3::b3Body_GetPosition(id), b3::b3Body_GetRotation(id)) };
+        let rotation = Quat::from_xyzw(q.v.x, q.v.y, q.v.z, q.s);
         Pose {
-            position: Vec3::new(p.x, p.y, p.z),
-            rotation: Quat::from_xyzw(q.v.x, q.v.y, q.v.z, q.s),
+            position: Vec3::new(p.x, p.y, p.z) - rotation * self.offsets[body],
+            rotation,
         }
     }
 
-    /// The velocity of the body's centre of mass, m/s.
-    pub fn velocity(&self, body: usize) -> Vec3 {
+    /// The velocity of the body's centre of mass, and its angular velocity.
+    pub fn velocity(&self, body: usize) -> Velocity {
+        let id = self.bodies[body];
         // SAFETY: as in `pose`.
-        let v = unsafe { b3::b3Body_GetLinearVelocity(self.bodies[body]) };
-        Vec3::new(v.x, v.y, v.z)
+        let both = unsafe {
+            [
+                b3::b3Body_GetLinearVelocity(id),
+                b3::b3Body_GetAngularVelocity(id),
+            ]
+        };
+        let [linear, angular] = both.map(|v| Vec3::new(v.x, v.y, v.z));
+        Velocity { linear, angular }
     }
 
     /// Mass, kg; centre in the body's frame, m; inertia about it in that frame, kg m², by columns.
@@ -293,69 +291,82 @@ impl Description {
     }
 }
 
-impl Shape<'_> {
-    fn is_sound(&self) -> bool {
-        let size = |x: f32| x > 0.0 && x.is_finite();
-        match self {
-            Self::Box {
-                half,
-                center,
-                rotation,
-            } => {
-                half.to_array().into_iter().all(size)
-                    && center.is_finite()
-                    && rotation.is_normalized()
+/// What Box3D makes of a shape before a body gets it.
+enum Made {
+    Plain,
+    Hull(Hull),
+    Mesh(Mesh),
+    Field(Field),
+}
+
+impl Made {
+    fn new(shape: &Shape) -> Result<Self, String> {
+        Ok(match shape {
+            Shape::Hull { corners } => Self::Hull(Hull::new(corners)?),
+            Shape::Mesh { corners, triangles } => Self::Mesh(Mesh::new(corners, triangles)?),
+            Shape::Field {
+                heights,
+                counts,
+                scale,
+            } => Self::Field(Field::new(heights, *counts, *scale)?),
+            _ => Self::Plain,
+        })
+    }
+}
+
+/// Gives a body a shape.
+///
+/// # Safety
+/// The body lives, the shape is sound, and a mesh or field outlives the body's world.
+unsafe fn attach(id: b3::b3BodyId, surface: &b3::b3ShapeDef, shape: &Shape, made: &Made) {
+    // SAFETY: the caller's.
+    unsafe {
+        match (shape, made) {
+            (
+                Shape::Box {
+                    half,
+                    center,
+                    rotation,
+                },
+                _,
+            ) => {
+                let frame = b3::b3Transform {
+                    p: vec3(*center),
+                    q: quat(*rotation),
+                };
+                let hull = b3::b3MakeTransformedBoxHull(half.x, half.y, half.z, frame);
+                // A box's hull begins with what all hulls begin with, and its offsets reach into the rest.
+                b3::b3CreateHullShape(id, surface, (&raw const hull).cast());
             }
-            Self::Sphere { radius } => size(*radius),
-            Self::Capsule { ends, radius } => {
-                size(*radius) && ends.iter().all(|end| end.is_finite())
+            (&Shape::Sphere { center, radius }, _) => {
+                let center = vec3(center);
+                let sphere = b3::b3Sphere { center, radius };
+                b3::b3CreateSphereShape(id, surface, &sphere);
             }
-            Self::Hull { corners } => corners.iter().all(|corner| corner.is_finite()),
+            (&Shape::Capsule { ends, radius }, _) => {
+                let [center1, center2] = ends.map(vec3);
+                let capsule = b3::b3Capsule {
+                    center1,
+                    center2,
+                    radius,
+                };
+                b3::b3CreateCapsuleShape(id, surface, &capsule);
+            }
+            (_, Made::Hull(hull)) => {
+                b3::b3CreateHullShape(id, surface, hull.data());
+            }
+            (_, Made::Mesh(mesh)) => {
+                b3::b3CreateMeshShape(id, surface, mesh.data(), vec3(Vec3::ONE));
+            }
+            (_, Made::Field(field)) => {
+                b3::b3CreateHeightFieldShape(id, surface, field.data());
+            }
+            (_, Made::Plain) => unreachable!("hulls, meshes and fields were made"),
         }
     }
 }
 
-/// A convex hull that Box3D made and that must be given back.
-struct Hull(*mut b3::b3HullData);
-
-impl Hull {
-    /// # Errors
-    /// If there is none, or one with other corners: Box3D welds what is close together.
-    fn new(corners: &[Vec3]) -> Result<Self, String> {
-        let points: Vec<b3::b3Vec3> = corners.iter().copied().map(vec3).collect();
-        let most = b3::B3_MAX_HULL_VERTICES as usize;
-        if points.len() > most {
-            let count = points.len();
-            return Err(format!(
-                "Box3D has no hulls of {count} corners, only of {most}"
-            ));
-        }
-        let count = points.len() as i32;
-        // SAFETY: so many points are there, all finite, and Box3D keeps none.
-        let hull = Self(unsafe { b3::b3CreateHull(points.as_ptr(), count, count) });
-        if hull.0.is_null() {
-            return Err(format!("Box3D makes no hull of these {count} corners"));
-        }
-        // SAFETY: not null, and so a whole hull.
-        match unsafe { (*hull.0).vertexCount } {
-            made if made == count => Ok(hull),
-            made => Err(format!(
-                "Box3D makes a hull of {made} corners of these {count}"
-            )),
-        }
-    }
-}
-
-impl Drop for Hull {
-    fn drop(&mut self) {
-        if !self.0.is_null() {
-            // SAFETY: Box3D made it, and no other code has it: shapes have copies.
-            unsafe { b3::b3DestroyHull(self.0) }
-        }
-    }
-}
-
-fn vec3(v: Vec3) -> b3::b3Vec3 {
+pub fn vec3(v: Vec3) -> b3::b3Vec3 {
     b3::b3Vec3 {
         x: v.x,
         y: v.y,

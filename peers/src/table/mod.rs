@@ -3,6 +3,8 @@
 mod plot;
 mod text;
 
+pub use text::{Updated, mm, ms};
+
 use crate::compare::{self, Comparison};
 use crate::meter::Outcome;
 use crate::run::{RunArguments, count};
@@ -67,7 +69,7 @@ impl Table {
         let updated = self
             .update
             .as_deref()
-            .map(text::Updated::read)
+            .map(|path| text::Updated::read(path, "peers table"))
             .transpose()?;
         let mut rows = Vec::new();
         for &scene in &self.scenes {
@@ -94,7 +96,13 @@ impl Table {
     }
 
     fn row(&self, scene: Scene) -> Result<Row, String> {
-        let run = |_| compare::compare(scene, 1, &self.run);
+        let run = |_| {
+            let comparison = compare::compare(scene, 1, &self.run)?;
+            match comparison.refused.first() {
+                None => Ok(comparison),
+                Some(why) => Err(format!("--scenes {scene}: {why}")),
+            }
+        };
         let mut runs = (0..self.runs).map(run).collect::<Result<Vec<_>, _>>()?;
         let cells: Vec<_> = (0..runs[0].engines.len())
             .map(|i| {
@@ -126,8 +134,9 @@ impl Table {
 
     /// In a line, for who reads the figures elsewhere.
     fn conditions(&self) -> String {
-        let course = self.run.course();
-        let conditions = self.run.conditions();
+        let first = self.scenes[0];
+        let course = self.run.course(first);
+        let conditions = self.run.conditions(first);
         let threads = match conditions.threads {
             1 => "one thread".to_owned(),
             n => format!("{n} threads"),
@@ -143,13 +152,14 @@ impl Table {
     }
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+/// The middle one.
+pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
 }
 
 /// As the operating system names it.
-fn processor() -> String {
+pub fn processor() -> String {
     let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let line = info
         .lines()
@@ -159,6 +169,7 @@ fn processor() -> String {
         .to_owned()
 }
 
-fn cannot_write(path: &Path, why: &dyn std::fmt::Display) -> String {
+/// The message for a file that cannot be written.
+pub fn cannot_write(path: &Path, why: &dyn std::fmt::Display) -> String {
     format!("{}: cannot be written: {why}", path.display())
 }

@@ -90,9 +90,9 @@ pub fn csv(rows: &[Row], run: &RunArguments) -> String {
         "scene,bodies,steps,dt_s,threads,engine,step_ms_median,step_ms_p95,drystone_step_ratio,fell_at_s,drift_m,sag_m,tilt_rad,\
          rms_speed_m_s,overlap_max_m\n",
     );
-    let (steps, conditions) = (run.course().steps, run.conditions());
-    let (dt, threads) = (conditions.dt, conditions.threads);
     for row in rows {
+        let (steps, conditions) = (run.course(row.scene).steps, run.conditions(row.scene));
+        let (dt, threads) = (conditions.dt, conditions.threads);
         for cell in &row.cells {
             let Cell {
                 engine,
@@ -123,36 +123,43 @@ pub fn csv(rows: &[Row], run: &RunArguments) -> String {
 /// A Markdown file with room for the table.
 pub struct Updated<'a> {
     pub path: &'a Path,
+    begin: String,
     before: String,
     after: String,
 }
 
-const BEGIN: &str = "<!-- peers table -->\n";
 const END: &str = "<!-- end -->";
 
 impl<'a> Updated<'a> {
     /// # Errors
-    /// If it cannot be read or has no such room.
-    pub fn read(path: &'a Path) -> Result<Self, String> {
+    /// If it cannot be read or has no such room: a line with a comment of this text, and one with `<!-- end -->` after it.
+    pub fn read(path: &'a Path, mark: &str) -> Result<Self, String> {
+        let begin = format!("<!-- {mark} -->\n");
         let name = path.display();
         let text = fs::read_to_string(path).map_err(|why| format!("--update {name}: {why}"))?;
-        let parts = text.split_once(BEGIN).and_then(|(before, rest)| {
+        let parts = text.split_once(&begin).and_then(|(before, rest)| {
             let (_, after) = rest.split_once(END)?;
             Some((before.to_owned(), after.to_owned()))
         });
         let (before, after) = parts.ok_or_else(|| {
-            format!("--update {name}: it has no line {BEGIN:?} with {END:?} after it")
+            format!("--update {name}: it has no line {begin:?} with {END:?} after it")
         })?;
         Ok(Self {
             path,
+            begin,
             before,
             after,
         })
     }
 
     pub fn with(&self, table: &str) -> String {
-        let Self { before, after, .. } = self;
-        format!("{before}{BEGIN}\n{table}\n{END}{after}")
+        let Self {
+            begin,
+            before,
+            after,
+            ..
+        } = self;
+        format!("{before}{begin}\n{table}\n{END}{after}")
     }
 }
 

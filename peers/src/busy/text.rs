@@ -86,13 +86,11 @@ fn has_joints(cells: &[Option<Cell>]) -> bool {
     outcomes.any(|outcome: &Outcome| outcome.stretch.is_some())
 }
 
-/// Scenes in which energy is neither put in nor lost in resting contacts.
+/// Scenes that move, in which energy is neither put in nor lost in resting contacts.
 fn keeps_energy(scene: &Scene) -> bool {
     matches!(
         scene,
-        Scene::Busy(
-            Busy::JointGrid(Hang::Seven | Hang::Corner, _) | Busy::Smash(_) | Busy::Flyers(..)
-        )
+        Scene::Busy(Busy::JointGrid(Hang::Corner, _) | Busy::Smash(_) | Busy::Flyers(..))
     )
 }
 

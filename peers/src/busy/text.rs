@@ -13,7 +13,7 @@ pub fn markdown(rows: &[Row], others: &[&str], conditions: &str) -> String {
         .fold("drystone".to_owned(), |all, name| format!("{all} / {name}"));
     let mut text = format!("| scene (bodies) | ms a step: {all} | 99 % |");
     for name in others {
-        _ = write!(text, " over {name}: all; last fifth |");
+        _ = write!(text, " time over {name}'s: mean; last fifth |");
     }
     text += " deepest overlap, mm | at the end | joints apart, mm | last second | energy, % |\n";
     _ = writeln!(text, "|{}", "---|".repeat(8 + others.len()));
@@ -54,8 +54,8 @@ pub fn markdown(rows: &[Row], others: &[&str], conditions: &str) -> String {
 
 fn notes(rows: &[Row], conditions: &str) -> String {
     let mut text = format!(
-        "\n({conditions}. The first step is not counted; overlaps are those after every tenth step. Energy: what is gained until the end, as a \
-         share of the largest kinetic energy, where nothing puts energy in."
+        "\n({conditions}. The first step is not counted; overlaps are those after every tenth step. Energy: what is gained until the end, \
+         as a share of the largest kinetic energy, where nothing puts energy in."
     );
     let sleeping: Vec<String> = rows
         .iter()

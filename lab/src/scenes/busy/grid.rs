@@ -1,6 +1,6 @@
 //! A net of balls on joints.
 
-use super::{Busy, Hang};
+use super::Hang;
 use crate::scenes::Site;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
@@ -42,7 +42,6 @@ impl Hang {
 impl Site<'_> {
     /// In the plane z = 0, high enough that it swings without touching y = 0, where there is nothing.
     pub(super) fn joint_grid(&mut self, hang: Hang, n: u32) {
-        debug_assert!(Busy::JointGrid(hang, n).bodies() > 0);
         let top = 1.5 * n as f32 + 1.0;
         let mut balls: Vec<Entity> = Vec::new();
         for i in 0..n * n {

@@ -18,6 +18,9 @@ mod rain;
 mod spinner;
 
 use super::{Hand, Site};
+use drystone::body::{Density, Pose, Velocity};
+use drystone::collider::Collider;
+use glam::{Quat, Vec3};
 
 /// A scene in which much moves, or that is large.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,6 +138,12 @@ impl Busy {
 }
 
 impl Site<'_> {
+    /// A body at rest, exactly there, as it is in Box3D.
+    fn put(&mut self, name: &str, collider: Collider, position: Vec3, rotation: Quat) {
+        let pose = Pose { position, rotation };
+        self.exactly(name, collider, Density::DEFAULT, pose, Velocity::default());
+    }
+
     pub(super) fn busy(&mut self, busy: Busy) -> Option<Hand> {
         match busy {
             Busy::LargePyramid(n) => return self.pyramid(n),

@@ -3,7 +3,7 @@
 use crate::scenes::Site;
 use bevy_ecs::name::Name;
 use bevy_transform::components::Transform;
-use drystone::body::{Density, Pose, RigidBody, Velocity};
+use drystone::body::{RigidBody, Velocity};
 use drystone::collider::Collider;
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
@@ -11,7 +11,7 @@ use std::f32::consts::TAU;
 /// Rows of each of many pyramids.
 const ROWS: u32 = 10;
 
-/// Half the golden ratio's inverse turn: points along a spiral by it are spread evenly.
+/// Between neighbours on a spiral that spreads points evenly over a ball, rad.
 const GOLDEN_TURN: f32 = TAU * 0.618_034;
 
 /// Hulls of a layer along x and z, and the distance between them, m.
@@ -36,12 +36,6 @@ fn spread(count: u32, radius: f32) -> Vec<Vec3> {
 }
 
 impl Site<'_> {
-    /// A body at rest, exactly there, as it is in Box3D.
-    pub(super) fn put(&mut self, name: &str, collider: Collider, position: Vec3, rotation: Quat) {
-        let pose = Pose { position, rotation };
-        self.exactly(name, collider, Density::DEFAULT, pose, Velocity::default());
-    }
-
     pub(super) fn many_pyramids(&mut self, n: u32) {
         self.ground(0.0);
         // Pyramids of a row are one metre apart, rows as far from each other as their pyramids are wide.

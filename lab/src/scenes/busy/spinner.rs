@@ -1,6 +1,6 @@
 //! A bar that a motor turns stirs bodies in a round pen.
 
-use crate::scenes::Site;
+use crate::scenes::{SceneOptions, Site};
 use bevy_ecs::name::Name;
 use bevy_transform::components::Transform;
 use drystone::body::{Density, Pose, RigidBody, Velocity};
@@ -28,7 +28,7 @@ impl Site<'_> {
     /// Balls, capsules and cubes in turn. Box2D's have a restitution of 0.1, here 0.
     pub(super) fn spinner(&mut self, n: u32) {
         let friction = self.options.friction;
-        let options = super::super::SceneOptions {
+        let options = SceneOptions {
             friction: friction.min(SLIPPERY),
             ..*self.options
         };

@@ -21,7 +21,8 @@ pub fn escaped_aabb(
         let (entity, index, pose) = (body.entity, body.index, &*body.pose);
         let body = table.get(index.0).filter(|body| body.entity == entity);
         if let Some(body) = body
-            && way(body, pose) > expected_travel(body, gravity.0, time.dt)
+            && (broadphase.flights.get(index.0).is_some()
+                || way(body, pose) > expected_travel(body, gravity.0, time.dt))
             && let Some(shape) = body.shape()
             && let Some(fat) = &broadphase.fat[index.0 as usize]
             && !fat.contains(&shape.compute_aabb(&pose.to_parry()))

@@ -3,14 +3,20 @@
 //! ceased to; [`pair_changes`](crate::graph::pair_changes) spawns and despawns the pairs.
 //!
 //! The tight box of a body contains its shape, the collision envelope, and its possible motion in the step. The tree stores a fatter box.
-//! As long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison for each body. Half-spaces have no box:
-//! they are kept beside the tree and tested against every body that moved.
+//! As long as the tight box stays inside it nothing happens, so a wall at rest costs one comparison for each body. Fast bodies have boxes
+//! that move with them besides (`flight`), by which overlaps are judged by relative motion. Half-spaces have no box: they are kept beside
+//! the tree and tested against every body that moved.
 
 mod escaped_aabb;
 mod far;
+mod flight;
+mod moved;
 mod reach;
 
 pub use escaped_aabb::escaped_aabb;
+pub(crate) use flight::FAST_MOTION;
+use flight::Flights;
+use moved::Motion;
 pub(crate) use reach::Reach;
 
 use crate::body::{BodyState, BodyTable, collider::Collider, cover};
@@ -61,6 +67,8 @@ pub struct Broadphase {
     /// known.
     #[cfg_attr(feature = "serde", serde(skip))]
     room: Vec<f32>,
+    /// The boxes that move with fast bodies.
+    flights: Flights,
     /// Slots of half-spaces.
     unbounded: Vec<u32>,
     /// The changes of this step, until the pairs are updated.
@@ -79,6 +87,7 @@ clone_fields!(Broadphase {
     has_workspace,
     fat,
     room,
+    flights,
     unbounded,
     found,
     waiting,
@@ -158,6 +167,7 @@ impl Broadphase {
             if let Some(fat) = self.fat.get_mut(slot as usize) {
                 *fat = None;
                 self.tree.remove(slot);
+                self.flights.remove(slot);
             }
             self.unbounded.retain(|unbounded| *unbounded != slot);
         }
@@ -206,6 +216,7 @@ impl Broadphase {
     /// Sets the box of a body in the list, but not in the tree.
     fn set_box(&mut self, slot: u32, fat: Aabb) {
         self.fat[slot as usize] = Some(fat);
+        self.flights.remove(slot);
         // It may be that of another body, which had the slot before.
         if let Some(room) = self.room.get_mut(slot as usize) {
             *room = 0.0;
@@ -264,6 +275,7 @@ impl Broadphase {
             let planes = self.unbounded.iter().copied();
             let planes = planes.filter(|&plane| table.get(plane).is_some_and(|p| below(p, fat)));
             let beside = self.tree.intersect_aabb(fat).chain(planes);
+            let beside = beside.filter(move |&other| self.meet([slot, other]));
             beside.filter_map(move |other| pair_of(table, slot, other))
         })
     }
@@ -272,11 +284,17 @@ impl Broadphase {
         (self.fat[a as usize].as_ref(), self.fat[b as usize].as_ref())
     }
 
+    /// Whether two bodies whose boxes in the tree overlap may touch as long as they move on as they do.
+    fn meet(&self, slots: [u32; 2]) -> bool {
+        boxes_meet(&self.flights, &self.fat, slots)
+    }
+
     /// Returns true if the boxes of the two bodies of a pair overlap, and nothing has changed about whether these may collide. It reads
     /// little: if it returns false, the pair may still go on.
     pub(crate) fn still_overlap(&self, table: &BodyTable, slots: [u32; 2]) -> bool {
         let is_known = |slot| table.get(slot).is_some_and(|body| !body.renewed);
         matches!(self.boxes_of(slots), (Some(a), Some(b)) if a.intersects(b))
+            && self.meet(slots)
             && slots.into_iter().all(is_known)
     }
 
@@ -289,11 +307,19 @@ impl Broadphase {
             return false;
         }
         match self.boxes_of([a, b]) {
-            (Some(a), Some(b)) => a.intersects(b),
+            (Some(one), Some(two)) => one.intersects(two) && self.flights.meet([a, b], [one, two]),
             (Some(fat), None) => below(two, fat),
             (None, Some(fat)) => below(one, fat),
             (None, None) => false,
         }
+    }
+}
+
+/// Whether two bodies whose boxes in the tree overlap may touch as long as they move on as they do.
+fn boxes_meet(flights: &Flights, boxes: &[Option<Aabb>], slots: [u32; 2]) -> bool {
+    match slots.map(|slot| boxes[slot as usize].as_ref()) {
+        [Some(a), Some(b)] => flights.meet(slots, [a, b]),
+        _ => true,
     }
 }
 
@@ -338,8 +364,13 @@ pub fn broadphase(
 ) {
     let broadphase = &mut *broadphase;
     broadphase.remove_bodies(&mut table);
-    let margin = |body: &BodyState| reach(body, &settings, gravity.0, time.dt);
-    let moved = broadphase.find_moved(&table, time.dt, margin);
+    let motion = Motion {
+        settings: &settings,
+        gravity: gravity.0,
+        dt: time.dt,
+    };
+    broadphase.flights.begin_step(time.dt);
+    let moved = broadphase.find_moved(&table, &motion);
     broadphase.found.disturbed.extend(&moved);
     let is_moved: FixedBitSet = moved.iter().map(|&slot| slot as usize).collect();
     // The overlaps of bodies that moved are found anew; other bodies may be gone.
@@ -351,10 +382,10 @@ pub fn broadphase(
         if std::mem::take(&mut broadphase.has_workspace) {
             broadphase.workspace = BvhWorkspace::default();
         }
-        return;
+    } else {
+        broadphase.update_tree(&moved);
+        broadphase.find_overlaps(&table, &moved, &is_moved);
     }
-    broadphase.update_tree(&moved);
-    broadphase.find_overlaps(&table, &moved, &is_moved);
 }
 
 impl Broadphase {
@@ -365,79 +396,11 @@ impl Broadphase {
         for slot in table.removed.drain(..) {
             self.tree.remove(slot);
             self.fat[slot as usize] = None;
+            self.flights.remove(slot);
             self.unbounded.retain(|u| *u != slot);
             self.found.removed.push(slot);
             self.found.disturbed.push(slot);
         }
-    }
-
-    /// Finds the bodies that have left their boxes or have other shapes, and gives them new boxes. `margin` is the distance within which a
-    /// body may touch another in the step, m.
-    fn find_moved(
-        &mut self,
-        table: &BodyTable,
-        dt: f32,
-        margin: impl Fn(&BodyState) -> f32,
-    ) -> Vec<u32> {
-        let Self {
-            tree,
-            fat,
-            unbounded,
-            found,
-            room,
-            ..
-        } = self;
-        let mut moved = Vec::new();
-        for (slot, body) in table.active() {
-            let resting =
-                (body.asleep || !body.is_dynamic()) && body.velocity == Default::default();
-            if resting && !body.moved && !body.renewed {
-                continue;
-            }
-            let Some(collider) = &body.collider else {
-                // Its collider may have been removed in this step.
-                if body.renewed {
-                    unbounded.retain(|u| *u != slot);
-                    fat[slot as usize] = None;
-                    tree.remove(slot);
-                    found.disturbed.push(slot);
-                }
-                continue;
-            };
-            if !body.radius.is_finite() {
-                if !unbounded.contains(&slot) {
-                    unbounded.push(slot);
-                }
-                // It may have been a shape with a box before.
-                if fat[slot as usize].take().is_some() {
-                    tree.remove(slot);
-                }
-                if body.moved || body.renewed {
-                    moved.push(slot);
-                }
-                continue;
-            }
-            if body.renewed {
-                unbounded.retain(|u| *u != slot);
-            }
-            let reach = margin(body);
-            let (entry, room) = (&mut fat[slot as usize], &mut room[slot as usize]);
-            if !body.moved && !body.renewed && reach < *room {
-                continue;
-            }
-            let shape = shape_box(body, collider);
-            let tight = shape.loosened(reach);
-            let around = match *entry {
-                Some(fat) if !body.renewed && fat.contains(&tight) => fat,
-                _ => {
-                    moved.push(slot);
-                    fat_box(&tight, body.velocity.linear * dt)
-                }
-            };
-            *entry = Some(around);
-            *room = room_around(&shape, &around);
-        }
-        moved
     }
 
     /// Puts the new boxes of bodies into the tree.
@@ -471,10 +434,13 @@ impl Broadphase {
             fat,
             unbounded,
             found,
+            flights,
             ..
         } = self;
+        let boxes: &[Option<Aabb>] = fat;
         let mut consider = |a: u32, b: u32| {
-            if a < b || !is_moved[b as usize] {
+            let is_first = a < b || !is_moved[b as usize];
+            if is_first && boxes_meet(flights, boxes, [a, b]) {
                 found.overlaps.extend(pair_of(table, a, b));
             }
         };
@@ -545,12 +511,21 @@ pub(crate) fn rest_box(
 
 /// Upper bound of the motion of a point of a body in the step, m, if only gravity and applied forces change its velocity.
 fn expected_travel(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
-    let fall = if body.is_dynamic() {
+    (body.velocity.linear.length() + fall(body, gravity, dt)) * dt + body.swept_margin
+}
+
+/// Change of speed by gravity in the step, m/s.
+fn fall(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
+    if body.is_dynamic() {
         (gravity * body.gravity_scale).length() * dt
     } else {
         0.0
-    };
-    (body.velocity.linear.length() + fall) * dt + body.swept_margin
+    }
+}
+
+/// As [`expected_travel`], without the motion by the velocity that the body has.
+fn way_beside(body: &BodyState, gravity: Vec3, dt: f32) -> f32 {
+    fall(body, gravity, dt) * dt + body.swept_margin
 }
 
 #[cfg(test)]

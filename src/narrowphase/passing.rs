@@ -7,13 +7,11 @@
 
 use crate::body::collider::{Approach, first_touch};
 use crate::body::{BodyState, Pose};
+use crate::broadphase::FAST_MOTION;
 use crate::pair::Manifold;
 use crate::solver::Both;
 use glam::{Quat, Vec3};
 use parry3d::query::{ShapeCastOptions, Unsupported, cast_shapes, contact, distance};
-
-/// A pair is fast if it moves at least this share of the smaller body's size in a step. The motion of slower pairs is not cast.
-const FAST_MOTION: f32 = 0.25;
 
 /// A pair that moves less than this share of the smaller body's size in a step counts as still.
 const STILL_MOTION: f32 = 0.005;
@@ -94,7 +92,8 @@ fn sweep([a, b]: [&BodyState; 2], dt: f32) -> f32 {
 /// meet exactly would only graze each other.
 const OVERLAP_AT_MEETING: f32 = 0.1;
 
-/// Whether the pair moves by at least the share [`FAST_MOTION`] of the smaller body's size in a step.
+/// Whether the pair moves by at least the share [`FAST_MOTION`] of the smaller body's size in a step. The motion of slower pairs is not
+/// cast.
 pub(super) fn is_fast(a: &BodyState, b: &BodyState, dt: f32) -> bool {
     flight(a, b, dt) >= FAST_MOTION * a.size.min(b.size)
 }

@@ -13,7 +13,7 @@
 
 use crate::body::{BodyState, BodyTable};
 use crate::graph::ConstraintGraph;
-use crate::pair::Manifold;
+use crate::pair::{ContactPoint, Manifold};
 use glam::{Vec3, Vec3Swizzles};
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose;
@@ -77,6 +77,9 @@ impl Surroundings<'_> {
         } = manifold;
         let before = points.len();
         let mut kept = 0;
+        let around = Around::of(points, bodies[0].center);
+        // Found when they are first asked for: most contacts are of faces.
+        let mut beside = [None, None];
         for patch in &mut *patches {
             let range = patch.range_in(before);
             // A ball may be a part of a compound.
@@ -90,14 +93,14 @@ impl Surroundings<'_> {
             for i in range {
                 let point = points[i];
                 let middle = bodies[0].center + point.arm;
-                let is_ghost = sides.iter().any(|side| {
+                let is_ghost = sides.iter().zip(&mut beside).any(|(side, beside)| {
                     let normal = side.sign * patch.normal;
-                    side.has_edge_along(normal)
-                        && self.is_ghost(
-                            side,
-                            middle - 0.5 * point.distance * normal,
-                            (normal, max_cosine),
-                        )
+                    side.has_edge_along(normal) && {
+                        let beside =
+                            beside.get_or_insert_with(|| self.bodies_beside(side, &around));
+                        let at = middle - 0.5 * point.distance * normal;
+                        is_ghost(side, beside.as_deref(), at, (normal, max_cosine))
+                    }
                 });
                 if !is_ghost {
                     points[kept] = point;
@@ -114,70 +117,105 @@ impl Surroundings<'_> {
         }
     }
 
-    /// Returns true if a contact at a point of the obstacle's surface is covered by another piece. A normal is that of a face if the cosine
-    /// between the two is larger than `max_cosine`.
-    fn is_ghost(&self, side: &Side, at: Vec3, (normal, max_cosine): (Vec3, f32)) -> bool {
+    /// The bodies beside the obstacle that may cover one of these points. `None` if the other body has too many neighbours.
+    fn bodies_beside(&self, side: &Side, around: &Around) -> Option<SmallVec<[&BodyState; 8]>> {
         if self.graph.edges_of(side.other_slot).len() > MAX_EDGES {
-            return false;
+            return None;
         }
-        let flush = side.flush + 4.0 * f32::EPSILON * at.abs().max_element();
-        let site = Site {
-            at,
-            normal,
-            towards: side.other.center - at,
-            flush,
-        };
+        let rounding = 4.0 * f32::EPSILON * (around.middle.abs().max_element() + around.radius);
+        let slack = around.radius + 2.0 * (side.flush + rounding);
         let others = self.graph.edges_at(side.other_slot);
         let others = others.filter_map(|(link, _)| self.table.get(link.other(side.other_slot)));
-        let near: SmallVec<[&BodyState; 4]> = others
-            .filter(|body| body.entity != side.obstacle.entity && site.may_lie_on(body))
-            .collect();
-        // For most contacts the answer is found here.
-        if near.is_empty() && side.obstacle.shape().is_some_and(Shape::is_convex) {
+        let near = others.filter(|body| {
+            body.entity != side.obstacle.entity
+                && (body.center - around.middle).length() <= body.radius + slack
+        });
+        Some(near.collect())
+    }
+}
+
+/// A sphere around the points of a pair on both surfaces, world, m.
+struct Around {
+    middle: Vec3,
+    radius: f32,
+}
+
+impl Around {
+    fn of(points: &[ContactPoint], center: Vec3) -> Self {
+        let arms = points.iter().map(|point| point.arm);
+        let mins = arms.clone().fold(Vec3::INFINITY, Vec3::min);
+        let maxs = arms.fold(Vec3::NEG_INFINITY, Vec3::max);
+        let depths = points.iter().map(|point| 0.5 * point.distance.abs());
+        Self {
+            middle: center + 0.5 * (mins + maxs),
+            radius: 0.5 * (maxs - mins).length() + depths.fold(0.0, f32::max),
+        }
+    }
+}
+
+/// Returns true if a contact at a point of the obstacle's surface is covered by another piece: of the obstacle, or of a body `beside` it.
+/// A normal is that of a face if the cosine between the two is larger than `max_cosine`.
+fn is_ghost(
+    side: &Side,
+    beside: Option<&[&BodyState]>,
+    at: Vec3,
+    (normal, max_cosine): (Vec3, f32),
+) -> bool {
+    let Some(beside) = beside else { return false };
+    let flush = side.flush + 4.0 * f32::EPSILON * at.abs().max_element();
+    let site = Site {
+        at,
+        normal,
+        towards: side.other.center - at,
+        flush,
+    };
+    let others = beside.iter().copied();
+    let near: SmallVec<[&BodyState; 4]> = others.filter(|body| site.may_lie_on(body)).collect();
+    // For most contacts the answer is found here.
+    if near.is_empty() && side.obstacle.shape().is_some_and(Shape::is_convex) {
+        return false;
+    }
+    // The pieces of the obstacle that have this contact, and all others nearby.
+    let mut touched: SmallVec<[Piece; 4]> = SmallVec::new();
+    let mut covers: SmallVec<[Piece; 8]> = SmallVec::new();
+    site.pieces_of(side.obstacle, &mut |piece| match piece.extends(&site) {
+        true => covers.push(piece),
+        false => touched.push(piece),
+    });
+    // A flat box that is beside a triangle may have points in the triangle's middle, with a normal along its plane.
+    let is_inside = touched.is_empty();
+    if is_inside {
+        site.pieces_of(side.obstacle, &mut |piece| touched.push(piece));
+        if !touched.iter().all(Piece::is_triangle) {
             return false;
         }
-        // The pieces of the obstacle that have this contact, and all others nearby.
-        let mut touched: SmallVec<[Piece; 4]> = SmallVec::new();
-        let mut covers: SmallVec<[Piece; 8]> = SmallVec::new();
-        site.pieces_of(side.obstacle, &mut |piece| match piece.extends(&site) {
-            true => covers.push(piece),
-            false => touched.push(piece),
-        });
-        // A flat box that is beside a triangle may have points in the triangle's middle, with a normal along its plane.
-        let is_inside = touched.is_empty();
-        if is_inside {
-            site.pieces_of(side.obstacle, &mut |piece| touched.push(piece));
-            if !touched.iter().all(Piece::is_triangle) {
-                return false;
-            }
-        }
-        for body in near {
-            if !body.asks_for_hooks() {
-                site.pieces_of(body, &mut |piece| {
-                    if piece.extends(&site) {
-                        covers.push(piece);
-                    }
-                });
-            }
-        }
-        covers.iter().any(|cover| {
-            let mut covered = false;
-            cover.faces(&site, |face| {
-                let rises = |piece: &Piece| piece.height_over(at, face) > flush;
-                let limit = if is_inside {
-                    ALONG_FACE_COSINE
-                } else {
-                    max_cosine
-                };
-                // A body that is struck gives way, and then the edge beside it is an obstacle.
-                let strikes = cover.velocity.is_some_and(|velocity| {
-                    (velocity - side.other.velocity.linear).dot(face) * side.dt > flush
-                });
-                covered |= face.dot(normal) < limit && !strikes && !touched.iter().any(rises);
-            });
-            covered
-        })
     }
+    for body in near {
+        if !body.asks_for_hooks() {
+            site.pieces_of(body, &mut |piece| {
+                if piece.extends(&site) {
+                    covers.push(piece);
+                }
+            });
+        }
+    }
+    covers.iter().any(|cover| {
+        let mut covered = false;
+        cover.faces(&site, |face| {
+            let rises = |piece: &Piece| piece.height_over(at, face) > flush;
+            let limit = if is_inside {
+                ALONG_FACE_COSINE
+            } else {
+                max_cosine
+            };
+            // A body that is struck gives way, and then the edge beside it is an obstacle.
+            let strikes = cover.velocity.is_some_and(|velocity| {
+                (velocity - side.other.velocity.linear).dot(face) * side.dt > flush
+            });
+            covered |= face.dot(normal) < limit && !strikes && !touched.iter().any(rises);
+        });
+        covered
+    })
 }
 
 /// A pair, seen from one of its two bodies.
@@ -228,6 +266,10 @@ impl<'a> Side<'a> {
         let local = || self.obstacle.pose.rotation.inverse() * normal;
         if !self.other.shape().is_some_and(Shape::is_convex) {
             return !self.is_smooth();
+        }
+        // A half-space touches edges and corners with its own normal.
+        if self.other.radius == f32::INFINITY {
+            return false;
         }
         match self.obstacle.shape().map(Shape::as_typed_shape) {
             Some(TypedShape::Cuboid(_)) => {

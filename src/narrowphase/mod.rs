@@ -6,9 +6,11 @@
 
 mod candidates;
 mod capsules;
+mod composites;
 mod crowd;
 mod detect;
 mod dispatcher;
+mod flush;
 mod forms;
 mod ghosts;
 mod matching;

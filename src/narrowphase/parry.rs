@@ -2,8 +2,10 @@
 
 use super::Rules;
 use super::candidates::{Candidate, Candidates, max_points, push, sort_deepest_first};
+use super::composites::{self, part_of};
 use super::dispatcher::Dispatcher;
-use super::polyhedra::FeatureId;
+use super::flush;
+use super::polyhedra::{Axis, FeatureId};
 use super::{reduction, rolling};
 use crate::body::{BodyState, collider::is_surface};
 use crate::pair::{Manifold, NarrowphaseCache, ParryCache, ParryManifold, PatchParts};
@@ -34,12 +36,13 @@ pub(super) fn detect(
     };
     let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
     let curved = a.is_curved() || b.is_curved();
-    if curved {
+    let are_ours = composites::are_ours([shape_a, shape_b]);
+    if curved && !are_ours {
         // A kept manifold would rotate with the surface, and a cylinder would roll away by itself.
         manifolds.clear();
         *workspace = None;
     }
-    let kept = match std::mem::take(is_read) {
+    let kept = match std::mem::take(is_read) && !are_ours {
         true => std::mem::take(manifolds),
         false => Vec::new(),
     };
@@ -49,27 +52,45 @@ pub(super) fn detect(
         graze: rules.stabilization.outer_distance(),
         most: max_points(rules),
     };
-    let found =
-        dispatcher.contact_manifolds(&between, shape_a, shape_b, reach, manifolds, workspace);
-    if found.is_err() {
+    if are_ours {
+        if curved {
+            // As above, in the memory that they have.
+            for kept in &mut *manifolds {
+                kept.data = Axis::Unknown;
+                kept.points.clear();
+            }
+        }
+        composites::find(&dispatcher, &between, [shape_a, shape_b], reach, manifolds);
+    } else if dispatcher
+        .contact_manifolds(&between, shape_a, shape_b, reach, manifolds, workspace)
+        .is_err()
+    {
         // Parry has no contacts between two surfaces without volume, such as two meshes.
         manifolds.clear();
     }
-    let faces = faces([a, b], [shape_a, shape_b], manifolds, reach);
+    let mut faces = faces([a, b], [shape_a, shape_b], manifolds, reach);
+    let reduces = rules.manifolds.reduce_manifolds;
+    if are_ours && reduces && !curved && faces.len() > 1 {
+        faces = flush::join(faces);
+    }
     for face in faces {
         let Face {
             normal,
             size,
             mut candidates,
             parts,
+            is_joined,
             ..
         } = face;
+        if is_joined {
+            reduction::keep_corners(&mut candidates, normal, COPLANAR_DISTANCE * size);
+        }
         merge(&mut candidates, MERGE_DISTANCE * size);
         // A round side touches along a line. Points in its middle support nothing, and appear and disappear.
         if curved && reduction::is_line(&candidates, size) {
             reduction::keep_ends(&mut candidates);
         }
-        if candidates.len() > max_points(rules) {
+        if candidates.len() > max_points(rules) && !is_joined {
             reduction::reduce(&mut candidates, normal);
         }
         let radius = a.rolling_radius().min(b.rolling_radius());
@@ -95,14 +116,14 @@ fn faces(
         .iter()
         .position(|shape| is_surface(*shape));
     let mut faces: SmallVec<[Face; 4]> = SmallVec::new();
-    for found in manifolds {
+    for found in manifolds.iter().filter(|found| !found.points.is_empty()) {
         let pieces = [found.subshape1, found.subshape2];
         if !BodyState::pieces_collide([a, b], pieces) {
             continue;
         }
         let (sub_a, sub_b) = (
-            found.subshape_pos1().copied(),
-            found.subshape_pos2().copied(),
+            part_of((shape_a, found.subshape1)).0,
+            part_of((shape_b, found.subshape2)).0,
         );
         let turned = sub_a.map_or(found.local_n1, |sub| sub.rotation * found.local_n1);
         // If a ball's centre is on an edge of another shape there is no normal. The bodies are separated upwards.
@@ -119,6 +140,7 @@ fn faces(
             }),
             candidates: Candidates::new(),
             parts: PatchParts::new([a.part_of(found.subshape1), b.part_of(found.subshape2)]),
+            is_joined: false,
         };
         for contact in &found.points {
             let local_a = sub_a.map_or(contact.local_p1, |sub| sub * contact.local_p1);
@@ -148,20 +170,22 @@ fn faces(
 }
 
 /// Normals count as equal if the cosine between them is above this.
-const PARALLEL_COSINE: f32 = 1.0 - 1e-6;
+pub(super) const PARALLEL_COSINE: f32 = 1.0 - 1e-6;
 
 /// Planes count as equal if their distance is less than this share of the smaller face's size.
-const COPLANAR_DISTANCE: f32 = 1e-3;
+pub(super) const COPLANAR_DISTANCE: f32 = 1e-3;
 
-/// The contact of two bodies in one plane. It becomes one patch, even if it extends over several triangles.
-struct Face {
-    normal: Vec3,
+/// The contact of two bodies in one plane. It becomes one patch, even if it extends over several triangles or parts.
+pub(super) struct Face {
+    pub normal: Vec3,
     /// Size of the smaller face, m.
-    size: f32,
+    pub size: f32,
     /// Plane of the triangle, if one of the bodies is a surface.
-    plane: Option<Plane>,
-    candidates: Candidates,
-    parts: PatchParts,
+    pub plane: Option<Plane>,
+    pub candidates: Candidates,
+    pub parts: PatchParts,
+    /// Whether it has the points of several parts of a compound.
+    pub is_joined: bool,
 }
 
 impl Face {
@@ -181,7 +205,7 @@ impl Face {
 
 /// The plane of a triangle, in the frame of its surface.
 #[derive(Clone, Copy)]
-struct Plane {
+pub(super) struct Plane {
     normal: Vec3,
     on: Vec3,
 }

@@ -42,7 +42,9 @@ pub(super) fn find(
         [None, Some(parts)] => one(parts, a, &place.inverse(), reach, |part| [0, part]),
         [None, None] => PartPairs::new(),
     };
-    sort::by_key(&mut pairs, |&[a, b]| u64::from(a) << 32 | u64::from(b));
+    if !pairs.is_sorted() {
+        sort::by_key(&mut pairs, |&[a, b]| u64::from(a) << 32 | u64::from(b));
+    }
     keep_known(&pairs, manifolds);
     for manifold in manifolds {
         let [at_a, at_b] = [(a, manifold.subshape1), (b, manifold.subshape2)].map(part_of);
@@ -119,10 +121,22 @@ fn both(of_a: &Compound, of_b: &Compound, place: &Pose, reach: f32) -> PartPairs
     let mut found = PartPairs::new();
     let back = place.inverse();
     let whole = of_b.local_aabb().transform_by(place).loosened(reach);
+    let spheres = |parts: &Compound, number: u32| {
+        let around = &parts.aabbs()[number as usize];
+        (around.center(), around.half_extents().length())
+    };
     each_near(of_a, &whole, |i| {
         let (at, part) = &of_a.shapes()[i as usize];
         let near = part.compute_aabb(&(back * *at)).loosened(reach);
-        each_near(of_b, &near, |j| found.push([i, j]));
+        let (center, radius) = spheres(of_a, i);
+        let center = back * center;
+        each_near(of_b, &near, |j| {
+            let (other, far) = spheres(of_b, j);
+            let far = far + radius + reach;
+            if center.distance_squared(other) <= far * far {
+                found.push([i, j]);
+            }
+        });
     });
     found
 }
@@ -137,5 +151,91 @@ fn each_near(parts: &Compound, near: &Aabb, mut visit: impl FnMut(u32)) {
         if aabb.intersects(near) {
             visit(number as u32);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Quat, Vec3};
+    use parry3d::query;
+    use parry3d::shape::{HalfSpace, SharedShape};
+
+    fn vector(random: &mut fastrand::Rng, scale: f32) -> Vec3 {
+        Vec3::from_array(std::array::from_fn(|_| scale * (random.f32() - 0.5)))
+    }
+
+    fn pose(random: &mut fastrand::Rng, scale: f32) -> Pose {
+        let turn = Quat::from_scaled_axis(vector(random, 6.0));
+        Pose::from_parts(vector(random, scale), turn)
+    }
+
+    fn compound(random: &mut fastrand::Rng, parts: usize) -> Compound {
+        let part = |i| match i % 3 {
+            0 => SharedShape::cuboid(0.1, 0.2, 0.15),
+            1 => SharedShape::ball(0.15),
+            _ => SharedShape::capsule_y(0.1, 0.1),
+        };
+        Compound::new((0..parts).map(|i| (pose(random, 1.5), part(i))).collect())
+    }
+
+    /// Each pair of parts within reach is found, by boxes in a list and by the tree.
+    #[test]
+    fn no_parts_that_may_touch_are_missed() {
+        const REACH: f32 = 0.05;
+        let mut random = fastrand::Rng::with_seed(11);
+        let (mut near, mut tested, mut considered) = (0, 0, 0);
+        for round in 0..200 {
+            let [of_a, of_b] = [3, 1].map(|count| compound(&mut random, count + round % 20));
+            let place = pose(&mut random, 2.5);
+            let half_space = HalfSpace::new(Vec3::Y);
+            let ball = SharedShape::ball(0.4);
+            let others: [&dyn Shape; 3] = [&of_b, &half_space, &*ball];
+            for other in others {
+                let found = match other.as_compound() {
+                    Some(of_b) => both(&of_a, of_b, &place, REACH),
+                    None => one(&of_a, other, &place, REACH, |part| [part, 0]),
+                };
+                considered += found.len();
+                let parts = other.as_compound().map_or(1, |parts| parts.shapes().len());
+                for (i, (at_a, part_a)) in of_a.shapes().iter().enumerate() {
+                    for j in 0..parts as u32 {
+                        let (at_b, part_b) = part_of((other, j));
+                        let at_b = place * at_b.unwrap_or(Pose::IDENTITY);
+                        let apart = query::distance(at_a, &**part_a, &at_b, part_b).unwrap();
+                        let is_near = apart.distance <= REACH;
+                        assert!(
+                            !is_near || found.contains(&[i as u32, j]),
+                            "{round}: {i} {j}"
+                        );
+                        near += usize::from(is_near);
+                        tested += 1;
+                    }
+                }
+            }
+        }
+        assert!(
+            near > 1000 && considered < tested / 2,
+            "{near} {considered} {tested}"
+        );
+    }
+
+    #[test]
+    fn manifolds_are_kept_in_the_order_of_their_parts() {
+        let named = |pair: &[u32; 2]| {
+            ParryManifold::with_data(pair[0], pair[1], Axis::FaceOfA(pair[1] as u16))
+        };
+        let mut manifolds: Vec<_> = [[0, 1], [0, 4], [2, 0], [3, 3]].iter().map(named).collect();
+        keep_known(&[[0, 2], [0, 4], [1, 0], [3, 3], [4, 0]], &mut manifolds);
+        let now = manifolds.iter().map(|m| (m.subshape1, m.subshape2, m.data));
+        let (new, known) = (Axis::Unknown, Axis::FaceOfA);
+        let expected = [
+            (0, 2, new),
+            (0, 4, known(4)),
+            (1, 0, new),
+            (3, 3, known(3)),
+            (4, 0, new),
+        ];
+        assert!(now.eq(expected), "{manifolds:?}");
     }
 }

@@ -1,12 +1,13 @@
-//! Parts of a compound that touch another body in one plane: their contacts become one patch. A row of cubes on a floor is then held up by the
-//! corners of the row, as one long box would be, and not by four points of every cube.
+//! Parts of a compound that adjoin and touch another body in one plane: their contacts become one patch. A row of cubes on a floor is then
+//! held up by the corners of the row, as one long box would be, and not by four points of every cube. Feet that stand apart keep a patch
+//! each: a patch limits force and twist of friction apart, and a ring on feet that slides and spins would slide and spin for too long.
 
 use super::candidates::Candidate;
 use super::parry::{COPLANAR_DISTANCE, Face, PARALLEL_COSINE};
 use glam::Vec3;
 use smallvec::SmallVec;
 
-/// Joins contacts in one plane.
+/// Joins contacts in one plane that adjoin.
 pub(super) fn join(faces: SmallVec<[Face; 4]>) -> SmallVec<[Face; 4]> {
     let mut joined = SmallVec::<[Face; 4]>::new();
     let mut planes = SmallVec::<[Option<ContactPlane>; 4]>::new();
@@ -16,7 +17,8 @@ pub(super) fn join(faces: SmallVec<[Face; 4]>) -> SmallVec<[Face; 4]> {
                 && known.normal.dot(face.normal) > PARALLEL_COSINE
                 && plane
                     .as_ref()
-                    .is_some_and(|plane| face.candidates.iter().all(|point| plane.holds(point)))
+                    .is_some_and(|plane| plane.continues_in(&face))
+                && adjoin(known, &face)
         });
         match known {
             Some((known, _)) => {
@@ -31,6 +33,17 @@ pub(super) fn join(faces: SmallVec<[Face; 4]>) -> SmallVec<[Face; 4]> {
         }
     }
     joined
+}
+
+/// Returns true if two contacts have a point in common.
+fn adjoin(one: &Face, other: &Face) -> bool {
+    let near = COPLANAR_DISTANCE * one.size;
+    let is_near =
+        |a: &Candidate, b: &Candidate| a.position.distance_squared(b.position) <= near * near;
+    let points = &other.candidates;
+    points
+        .iter()
+        .any(|b| one.candidates.iter().any(|a| is_near(a, b)))
 }
 
 /// The plane in which both bodies touch: height and distance of its points change evenly along it. If both are even over all points, then
@@ -89,6 +102,10 @@ impl ContactPlane {
         })
     }
 
+    fn continues_in(&self, face: &Face) -> bool {
+        face.candidates.iter().all(|point| self.holds(point))
+    }
+
     fn holds(&self, point: &Candidate) -> bool {
         let from_first = point.position - self.first.position;
         let [b, c] = self.edges;
@@ -132,19 +149,20 @@ mod tests {
     }
 
     #[test]
-    fn contacts_in_one_plane_are_joined_and_others_are_not() {
+    fn contacts_that_adjoin_in_one_plane_are_joined_and_others_are_not() {
         let square = |x: f32, tilt: f32, up: f32| {
             [(x, 0.0), (x + 1.0, 0.0), (x, 1.0), (x + 1.0, 1.0)].map(|(x, z)| (x, z, tilt * x + up))
         };
         for tilt in [0.0, 0.01, -0.02] {
-            let (here, there) = (square(0.0, tilt, 0.0), square(5.0, tilt, 0.0));
-            assert_eq!(joined(&[&here, &there]), [8]);
-            // A leg that is shorter by a centimetre.
-            assert_eq!(joined(&[&here, &square(5.0, tilt, 0.01), &there]), [8, 4]);
+            let [first, second, third] = [0.0, 1.0, 2.0].map(|x| square(x, tilt, 0.0));
+            assert_eq!(joined(&[&first, &second, &third]), [12]);
+            // A foot that stands apart, and a part that is higher by a centimetre.
+            assert_eq!(joined(&[&first, &third]), [4, 4]);
+            assert_eq!(joined(&[&first, &square(1.0, tilt, 0.01), &second]), [8, 4]);
         }
         // The bottoms of a tilted and of a level part.
         assert_eq!(
-            joined(&[&square(0.0, 0.0, 0.0), &square(5.0, 0.01, -0.05)]),
+            joined(&[&square(0.0, 0.0, 0.0), &square(1.0, 0.01, -0.01)]),
             [4, 4]
         );
     }
@@ -153,11 +171,13 @@ mod tests {
     fn edges_are_joined_along_their_line_and_points_stay_alone() {
         let edge = |x: f32, z: f32| [(x, z, 0.1 * x), (x + 1.0, z, 0.1 * x + 0.1)];
         assert_eq!(
-            joined(&[&edge(0.0, 0.0), &edge(1.0, 0.0), &edge(7.0, 0.0)]),
+            joined(&[&edge(0.0, 0.0), &edge(1.0, 0.0), &edge(2.0, 0.0)]),
             [6]
         );
-        assert_eq!(joined(&[&edge(0.0, 0.0), &edge(1.0, 0.2)]), [2, 2]);
-        assert_eq!(joined(&[&[(0.0, 0.0, 0.0)], &[(1.0, 0.0, 0.0)]]), [1, 1]);
+        let aside = [(1.0, 0.0, 0.1), (1.0, 0.2, 0.1)];
+        assert_eq!(joined(&[&edge(0.0, 0.0), &aside]), [2, 2]);
+        assert_eq!(joined(&[&edge(0.0, 0.0), &edge(5.0, 0.0)]), [2, 2]);
+        assert_eq!(joined(&[&[(0.0, 0.0, 0.0)], &[(0.0, 0.0, 0.0)]]), [1, 1]);
         assert_eq!(joined(&[&[], &[(1.0, 0.0, 0.0)]]), [1]);
     }
 }

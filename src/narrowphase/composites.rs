@@ -4,9 +4,9 @@
 use super::dispatcher::Dispatcher;
 use super::polyhedra::Axis;
 use crate::pair::ParryManifold;
-use crate::solver::sort;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose;
+use parry3d::partitioning::BvhNode;
 use parry3d::query::PersistentQueryDispatcher;
 use parry3d::shape::{Compound, Shape, TypedShape};
 use smallvec::SmallVec;
@@ -28,7 +28,8 @@ pub(super) fn are_ours([a, b]: [&dyn Shape; 2]) -> bool {
 }
 
 /// Computes the manifolds of the parts of two shapes within `reach` (m), one of which is a compound. `place` is the pose of B in the frame of
-/// A. The manifolds are in the order of the parts.
+/// A. The order of the manifolds is that of the tree of parts, if there are many: neighbours in a ring that are solved one after the other
+/// converge more slowly.
 pub(super) fn find(
     dispatcher: &Dispatcher,
     place: &Pose,
@@ -36,15 +37,12 @@ pub(super) fn find(
     reach: f32,
     manifolds: &mut Vec<ParryManifold>,
 ) {
-    let mut pairs = match [a, b].map(|shape| shape.as_compound()) {
+    let pairs = match [a, b].map(|shape| shape.as_compound()) {
         [Some(of_a), Some(of_b)] => both(of_a, of_b, place, reach),
         [Some(parts), None] => one(parts, b, place, reach, |part| [part, 0]),
         [None, Some(parts)] => one(parts, a, &place.inverse(), reach, |part| [0, part]),
         [None, None] => PartPairs::new(),
     };
-    if !pairs.is_sorted() {
-        sort::by_key(&mut pairs, |&[a, b]| u64::from(a) << 32 | u64::from(b));
-    }
     keep_known(&pairs, manifolds);
     for manifold in manifolds {
         let [at_a, at_b] = [(a, manifold.subshape1), (b, manifold.subshape2)].map(part_of);
@@ -74,18 +72,17 @@ pub(super) fn part_of((shape, number): (&dyn Shape, u32)) -> (Option<Pose>, &dyn
     }
 }
 
-/// Sorts the manifolds into the order of these parts, makes those that are new, and drops the others. Manifolds are in the order of their
-/// parts before.
+/// Brings the manifolds into the order of these parts, makes those that are new, and drops the others.
 fn keep_known(pairs: &[[u32; 2]], manifolds: &mut Vec<ParryManifold>) {
     let parts = |of: &ParryManifold| [of.subshape1, of.subshape2];
-    if manifolds.len() == pairs.len() && manifolds.iter().map(parts).eq(pairs.iter().copied()) {
+    if manifolds.iter().map(parts).eq(pairs.iter().copied()) {
         return;
     }
-    let mut known = std::mem::take(manifolds).into_iter().peekable();
+    let mut known = std::mem::take(manifolds);
     manifolds.reserve(pairs.len());
     for &pair in pairs {
-        while known.next_if(|known| parts(known) < pair).is_some() {}
-        let same = known.next_if(|known| parts(known) == pair);
+        let same = known.iter().position(|known| parts(known) == pair);
+        let same = same.map(|place| known.swap_remove(place));
         manifolds.push(
             same.unwrap_or_else(|| ParryManifold::with_data(pair[0], pair[1], Axis::Unknown)),
         );
@@ -104,11 +101,10 @@ fn one(
     if let Some(half_space) = other.as_halfspace() {
         let up = place.rotation * half_space.normal;
         let height = up.dot(place.translation) + reach;
-        for (number, aabb) in parts.aabbs().iter().enumerate() {
-            if up.dot(aabb.center()) - up.abs().dot(aabb.half_extents()) <= height {
-                found.push(pair(number as u32));
-            }
-        }
+        let is_low = |node: &BvhNode| {
+            up.dot(node.center()) - up.abs().dot(0.5 * (node.maxs() - node.mins())) <= height
+        };
+        found.extend(parts.bvh().leaves(is_low).map(pair));
     } else {
         let near = other.compute_aabb(place).loosened(reach);
         each_near(parts, &near, |part| found.push(pair(part)));
@@ -221,19 +217,19 @@ mod tests {
     }
 
     #[test]
-    fn manifolds_are_kept_in_the_order_of_their_parts() {
+    fn manifolds_are_kept_with_their_parts() {
         let named = |pair: &[u32; 2]| {
             ParryManifold::with_data(pair[0], pair[1], Axis::FaceOfA(pair[1] as u16))
         };
-        let mut manifolds: Vec<_> = [[0, 1], [0, 4], [2, 0], [3, 3]].iter().map(named).collect();
-        keep_known(&[[0, 2], [0, 4], [1, 0], [3, 3], [4, 0]], &mut manifolds);
+        let mut manifolds: Vec<_> = [[0, 1], [2, 0], [3, 3], [0, 4]].iter().map(named).collect();
+        keep_known(&[[3, 3], [0, 2], [0, 4], [1, 0], [4, 0]], &mut manifolds);
         let now = manifolds.iter().map(|m| (m.subshape1, m.subshape2, m.data));
         let (new, known) = (Axis::Unknown, Axis::FaceOfA);
         let expected = [
+            (3, 3, known(3)),
             (0, 2, new),
             (0, 4, known(4)),
             (1, 0, new),
-            (3, 3, known(3)),
             (4, 0, new),
         ];
         assert!(now.eq(expected), "{manifolds:?}");

@@ -10,7 +10,6 @@ mod composites;
 mod crowd;
 mod detect;
 mod dispatcher;
-mod flush;
 mod forms;
 mod ghosts;
 mod matching;

@@ -2,9 +2,8 @@
 
 use super::Rules;
 use super::candidates::{Candidate, Candidates, max_points, push, sort_deepest_first};
-use super::composites::{self, part_of};
+use super::composites::{self, flush, part_of};
 use super::dispatcher::Dispatcher;
-use super::flush;
 use super::polyhedra::{Axis, FeatureId};
 use super::{reduction, rolling};
 use crate::body::{BodyState, collider::is_surface};

@@ -2,13 +2,13 @@
 //! held up by the corners of the row, as one long box would be, and not by four points of every cube. Feet that stand apart keep a patch
 //! each: a patch limits force and twist of friction apart, and a ring on feet that slides and spins would slide and spin for too long.
 
-use super::candidates::Candidate;
-use super::parry::{COPLANAR_DISTANCE, Face, PARALLEL_COSINE};
+use crate::narrowphase::candidates::Candidate;
+use crate::narrowphase::parry::{COPLANAR_DISTANCE, Face, PARALLEL_COSINE};
 use glam::Vec3;
 use smallvec::SmallVec;
 
 /// Joins contacts in one plane that adjoin.
-pub(super) fn join(faces: SmallVec<[Face; 4]>) -> SmallVec<[Face; 4]> {
+pub(in crate::narrowphase) fn join(faces: SmallVec<[Face; 4]>) -> SmallVec<[Face; 4]> {
     let mut joined = SmallVec::<[Face; 4]>::new();
     let mut planes = SmallVec::<[Option<ContactPlane>; 4]>::new();
     for face in faces {

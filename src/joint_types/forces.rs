@@ -36,6 +36,8 @@ pub struct JointForces {
     pub filtered_torque: f32,
     /// The start of the next solve: the forces along and torques about the coordinates, N and N·m.
     pub(crate) start: [f32; COORDINATES],
+    /// See [`JointConstraint::rest`].
+    pub(crate) rest: [f32; COORDINATES],
     /// Force and torque in the axes of the frame on body 1, filtered, N and N·m.
     pub(crate) filtered: [Vec3; 2],
     /// See [`JointConstraint::late`].
@@ -78,6 +80,7 @@ impl JointForces {
             filtered_force: solved.peak[0],
             filtered_torque: solved.peak[1],
             start: solved.forces,
+            rest: solved.rest,
             filtered: solved.filtered,
             late: solved.late,
             // Those of a solve that failed are no numbers.

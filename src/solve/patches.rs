@@ -90,7 +90,11 @@ fn settle_joined(
     let start = bodies.to_vec();
     for _ in 0..SETTLING_SOLVES {
         bodies.copy_from_slice(&start);
-        SoftStep::default().solve(&mut problem(rows, bodies, &mut [], joints, context));
+        let exact = SoftStep {
+            sweeps_joints: false,
+            ..Default::default()
+        };
+        exact.solve(&mut problem(rows, bodies, &mut [], joints, context));
     }
 }
 

@@ -143,6 +143,7 @@ impl ProblemSet {
             island.joint_slots.push(edge.slots);
             island.joints.push(JointConstraint {
                 forces: forces.start,
+                rest: forces.rest,
                 filtered: forces.filtered,
                 late: forces.late,
                 angles: forces.angles,

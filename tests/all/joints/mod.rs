@@ -7,6 +7,7 @@ mod input;
 mod loose;
 mod scenes;
 mod sleep;
+mod swept;
 mod table;
 mod types;
 mod worlds;

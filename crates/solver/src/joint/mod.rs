@@ -46,6 +46,8 @@ pub struct JointConstraint {
     /// In: the forces along and torques about `axes`, on B, N and N·m, the force along the line between the anchors, and the torque
     /// against the swing, to begin with. Out: those at the end of the step.
     pub forces: [f32; 8],
+    /// In and out: the slow mean of `forces`, N and N·m. Joints that are relaxed by sweeps yield to no more than what exceeds it.
+    pub rest: [f32; 8],
     /// Out: the mean force at the anchor on B over the step, N, and torque, N·m, world axes.
     pub mean: [Vec3; 2],
     /// In and out: force and torque on B, N and N·m, in A's frame, filtered by a low-pass with the time constant `filter`.
@@ -79,6 +81,7 @@ impl Default for JointConstraint {
             distance: None,
             swing: None,
             forces: [0.0; 8],
+            rest: [0.0; 8],
             mean: [Vec3::ZERO; 2],
             filtered: [Vec3::ZERO; 2],
             late: [Vec3::ZERO; 2],

@@ -242,6 +242,34 @@ impl<L: F32xN> Symmetric<L> {
     }
 }
 
+impl<L: F32xN> Symmetric<L> {
+    /// The inverse of a positive definite matrix; zero if the determinant is not positive.
+    #[inline(always)]
+    pub fn inverse(&self) -> Self {
+        let &Self {
+            xx,
+            yy,
+            zz,
+            xy,
+            xz,
+            yz,
+        } = self;
+        let first = yy.mul_sub(zz, yz * yz);
+        let second = xz.mul_sub(yz, xy * zz);
+        let third = xy.mul_sub(yz, xz * yy);
+        let determinant = xx.mul_add(first, xy.mul_add(second, xz * third));
+        let scale = determinant.inverse();
+        Self {
+            xx: scale * first,
+            yy: scale * xx.mul_sub(zz, xz * xz),
+            zz: scale * xx.mul_sub(yy, xy * xy),
+            xy: scale * second,
+            xz: scale * third,
+            yz: scale * xy.mul_sub(xz, xx * yz),
+        }
+    }
+}
+
 /// Added to squares. Squares of numbers below 1e-19, which are common at rest, are subnormal and slow: stacks at rest took a third longer.
 /// Fused operations do not produce them.
 const TINY: f32 = 1e-30;

@@ -3,6 +3,7 @@
 use super::contact::block::{Block, Points};
 use super::grabs::GrabPlaces;
 use super::joints::Joints;
+use super::joints::swept::Swept;
 use super::spinners::Spinners;
 use super::sweeps::layout::fixed_bodies_rest;
 use super::sweeps::pipeline::Pipeline;
@@ -73,6 +74,8 @@ pub struct Island<L: F32xN> {
     pub deepest: f32,
     /// The setting for lanes.
     pub lanes: Lanes,
+    /// The setting for joints.
+    pub sweeps_joints: bool,
     /// By patch: the angular frequency of its springs, rad/s. Empty if all have that of the island's spring.
     pub frequencies: Vec<f32>,
     /// Fastest correction, m/s.
@@ -114,6 +117,8 @@ pub struct Island<L: F32xN> {
     pub grab_places: GrabPlaces,
     /// Joints. They are solved after all contacts of a sweep.
     pub joints: Joints,
+    /// Joints that are swept.
+    pub swept: Swept<L>,
     /// None in a step with blows.
     pub spinners: Spinners,
     /// Present once there are threads for it.
@@ -156,6 +161,7 @@ impl<L: F32xN> Island<L> {
             skipped: 0,
             deepest: f32::NEG_INFINITY,
             lanes: Lanes::Auto,
+            sweeps_joints: false,
             frequencies: Vec::new(),
             fastest: problem.max_correction_speed,
             fixed_bodies_rest: fixed_bodies_rest(problem),
@@ -178,6 +184,7 @@ impl<L: F32xN> Island<L> {
             grabs: Vec::new(),
             grab_places: GrabPlaces::default(),
             joints: Joints::default(),
+            swept: Swept::default(),
             spinners: Spinners::default(),
             pipeline: None,
         }

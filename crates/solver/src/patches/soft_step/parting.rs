@@ -53,12 +53,13 @@ struct Movers {
 }
 
 impl Movers {
-    fn new<L: F32xN>(island: &Island<L>, bodies: usize) -> Self {
+    fn new<L: F32xN>(island: &Island<L>, all: &[Body]) -> Self {
+        let bodies = all.len();
         let mut movers = Self {
             first: (0..bodies).collect(),
             whole: vec![None; bodies],
         };
-        for (bodies, inverse_mass) in island.joints.wholes() {
+        for (bodies, inverse_mass) in island.joints.wholes(all) {
             let mut first = None;
             for body in bodies {
                 let first = *first.get_or_insert(body);
@@ -145,7 +146,7 @@ impl<L: F32xN> Island<L> {
     pub fn part(&mut self, problem: &PatchProblem) {
         let fastest = problem.max_correction_speed * problem.dt;
         let patches = problem.patches.iter();
-        let movers = Movers::new(self, problem.bodies.len());
+        let movers = Movers::new(self, problem.bodies);
         let given = (&movers, &*self.motions);
         let rows = patches.flat_map(|patch| Deep::of(problem, patch, given, fastest));
         let mut rows: Vec<Deep> = rows.collect();

@@ -312,8 +312,12 @@ impl<L: F32xN> Island<L> {
             velocities: cells(&mut self.velocities),
             motions: cells(&mut self.motions),
         };
+        self.joints.choose(problem, self.sweeps_joints);
         self.joints
             .begin(problem, spring, substeps, self.lanes, contacts);
+        let states = [&mut *self.velocities, &mut *self.motions];
+        self.swept
+            .begin(&self.joints, problem, spring, substeps, states);
         missing.sqrt()
     }
 
@@ -368,6 +372,7 @@ impl<L: F32xN> Island<L> {
             body.motion = Some(motion.both(|m| m.truncate() / problem.dt));
         }
         self.joints.store(problem, &self.motions, rate);
+        self.swept.store(problem, &self.motions);
         self.spinners.store(problem, &self.motions);
     }
 }

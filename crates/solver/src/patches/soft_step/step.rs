@@ -51,6 +51,7 @@ impl SoftStep {
         // Blocks of the last step, or new ones; refreshed, and with the impulses of the warm start.
         let mut kept = Kept::<L>::of(kept, problem, self.lanes, found, mode);
         let island = &mut kept.island;
+        island.sweeps_joints = self.sweeps_joints;
         island.spinners.take(&mut tops);
         island.deepest = parting::deepest(&gaps);
         let spring = self.spring(budget, problem.dt);

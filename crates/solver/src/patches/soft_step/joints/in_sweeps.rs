@@ -17,7 +17,8 @@ impl<L: F32xN> Island<L> {
             velocities: cells(&mut self.velocities),
             motions: cells(&mut self.motions),
         };
-        self.joints.visit(pass, contacts)
+        let solved = self.joints.visit(pass, contacts);
+        solved + self.swept.visit(pass.soft, cells(&mut self.velocities))
     }
 
     /// Lets the joints follow the drift of bodies.
@@ -30,6 +31,7 @@ impl<L: F32xN> Island<L> {
             false => &mut self.velocities,
         };
         self.joints.drift(cells(drifted), cells(&mut self.motions));
+        self.swept.drift(cells(drifted));
     }
 
     /// Ends a substep for the joints, after velocities were extrapolated, if it ends with this pass.
@@ -39,6 +41,9 @@ impl<L: F32xN> Island<L> {
             let velocities = cells(&mut self.velocities);
             self.joints
                 .end_substep(!pass.extrapolates, ended, velocities);
+            let ended = &mut self.before;
+            let states = [&mut *self.velocities, &mut *self.motions];
+            self.swept.end_substep(!pass.extrapolates, ended, states);
         }
     }
 }

@@ -26,6 +26,9 @@ use std::cell::Cell;
 /// sink.
 const RIGID_COMPLIANCE: f32 = 1e-6;
 
+/// How many times lighter than the jointed body the other one must be, so that the contact is not a part of the solve.
+const LIGHT: f32 = 4.0;
+
 /// A patch between a jointed body and one without joints.
 #[derive(Clone, Debug)]
 pub struct LeafPatch {
@@ -37,6 +40,9 @@ pub struct LeafPatch {
     side: usize,
     /// The other body, if it moves.
     other: Option<Other>,
+    /// The other body is so much lighter than the jointed one that sweeps find what the contact carries: it is not a part of the solve. A
+    /// brick that is bonded to others counts with all of them, so its contacts always are.
+    pub is_light: bool,
     /// The bodies in the island's lists.
     bodies: [usize; 2],
     normal: Vec3,
@@ -136,6 +142,7 @@ impl LeafPatch {
                     member,
                     side,
                     other: None,
+                    is_light: false,
                     bodies: bodies.both(|body| body as usize),
                     normal: Vec3::ZERO,
                     arms: [Vec3::ZERO; 2],
@@ -147,7 +154,7 @@ impl LeafPatch {
     }
 
     /// Loads the patch of a step.
-    pub fn begin(&mut self, problem: &PatchProblem, offsets: &mut Vec<Vec3>) {
+    pub fn begin(&mut self, problem: &PatchProblem, is_bonded: bool, offsets: &mut Vec<Vec3>) {
         let patch = &problem.patches[self.patch];
         (self.normal, self.arms) = (patch.normal, patch.arms);
         let first = offsets.len();
@@ -159,6 +166,8 @@ impl LeafPatch {
         self.offsets = first..offsets.len();
         let body = self.bodies[1 - self.side];
         let other: &Body = &problem.bodies[body];
+        let own = problem.bodies[self.bodies[self.side]].inverse_mass;
+        self.is_light = !is_bonded && other.inverse_mass > LIGHT * own;
         self.other = (other.inverse_mass > 0.0).then_some(Other {
             body,
             inverse_mass: other.inverse_mass,
@@ -181,6 +190,9 @@ impl LeafPatch {
         let lane = self.lane;
         let own = self.offsets.clone();
         let used = || points.iter().take(own.len());
+        if self.is_light {
+            return;
+        }
         if used().all(|point| point.impulse[lane] <= 0.0) {
             return;
         }

@@ -14,7 +14,7 @@ const FASTER: f32 = 8.0;
 /// Lets the mean load at rest of each patch follow by the rest of its share; it has followed by the share `rate`.
 pub fn follow(patches: &[LeafPatch], problem: &mut PatchProblem, rate: f32) {
     let share = ((FASTER - 1.0) * rate).min(1.0);
-    for patch in patches {
+    for patch in patches.iter().filter(|patch| !patch.is_light) {
         let points = &mut problem.points[problem.patches[patch.patch].range()];
         let new = points
             .iter()

@@ -250,11 +250,6 @@ impl Member {
         self.seen[1].abs().max_element() > slack
     }
 
-    /// Whether none of its translations is locked.
-    pub fn moves_along_all_axes(&self) -> bool {
-        self.free_axes == Vec3::ONE
-    }
-
     /// Whether it has geometric stiffness beyond what the solve bears.
     pub fn is_stiffened(&self) -> bool {
         self.excess != DMat3::ZERO

@@ -19,6 +19,7 @@
 
 mod borders;
 mod breaking;
+mod choice;
 mod factor;
 mod in_sweeps;
 mod leaf;
@@ -30,6 +31,7 @@ mod pieces;
 mod row;
 mod sharing;
 mod springs;
+pub mod swept;
 
 use crate::Both;
 use crate::joint::{COORDINATES, Times};
@@ -37,6 +39,7 @@ use crate::lanes::{F32xN, State, has_fused};
 use crate::patches::soft_step::contact::pass::Pass;
 use crate::patches::soft_step::contact::spring::Spring;
 use crate::{JointConstraint, Lanes, PatchProblem};
+use choice::Strain;
 use glam::{Mat3, Vec3};
 pub use leaf::Contacts;
 use leaf::{LeafPatch, read};
@@ -77,6 +80,10 @@ pub struct Joints {
     bends: Vec<Mat3>,
     /// The joints of the problem.
     joints: Vec<JointConstraint>,
+    /// The joints that are swept in this step.
+    swept: Vec<u32>,
+    /// By body: the forces on it.
+    strains: Vec<Strain>,
     h: f32,
     substeps: usize,
     /// Number of substeps that have drifted.
@@ -131,49 +138,40 @@ impl Joints {
         (self.stiffness, self.bias_rate) = spring.stiffness_and_bias();
         self.fastest = problem.max_correction_speed;
         self.joints.clear();
+        self.offsets.clear();
+        self.logs.clear();
+        if direct(&self.pieces).next().is_none() {
+            return;
+        }
         self.joints.extend_from_slice(problem.joints);
-        for member in &mut self.members {
+        self.logs.resize(self.links.len(), Log::default());
+        let fixed = self.pieces.last().map_or(0, |piece| piece.members.end);
+        for member in &mut self.members[fixed..] {
             member.begin(&problem.bodies[member.body as usize]);
         }
-        self.offsets.clear();
-        for patch in &mut self.patches {
-            patch.begin(problem, &mut self.offsets);
-        }
-        self.logs.clear();
-        let joints = &self.joints;
-        let logs = self.links.iter().map(|link| Log {
-            filtered: joints[link.joint].filtered,
-            late: joints[link.joint].late,
-            ..Log::default()
-        });
-        self.logs.extend(logs);
-        let times = self.times();
-        for link in &mut self.links {
-            let joint = &mut self.joints[link.joint];
-            for row in &mut self.rows[link.rows.clone()] {
-                *row = JointRow::new(row.coordinate, row.part);
+        for number in 0..self.pieces.len() {
+            if !self.pieces[number].is_swept {
+                self.begin_piece(number, problem);
             }
-            link.point(joint, &mut self.rows, &self.members);
-            link.find_responses(&mut self.rows, &self.members);
-            link.start(joint, &mut self.rows, &times);
         }
+        let times = self.times();
         self.share_stiffness();
-        for link in &self.links {
-            let joint = &self.joints[link.joint];
-            link.ask(joint, &mut self.rows, &times);
-            link.soften(&mut self.rows, self.stiffness);
+        for piece in direct(&self.pieces) {
+            for link in &self.links[piece.links.clone()] {
+                let joint = &self.joints[link.joint];
+                link.ask(joint, &mut self.rows, &times);
+                link.soften(&mut self.rows, self.stiffness);
+            }
         }
         self.break_misfits();
         let is_fused = lanes != Lanes::Four && has_fused();
-        for piece in &mut self.pieces {
+        for piece in direct_mut(&mut self.pieces) {
             piece.is_stale = true;
             piece.is_refreshed = true;
             piece.is_calm = false;
             piece.is_first = true;
             piece.is_strained = false;
             piece.is_fused = is_fused;
-            let mut links = self.links[piece.links.clone()].iter();
-            piece.is_bonded = links.any(|link| self.joints[link.joint].section.is_some());
         }
         self.restart(contacts.velocities, |member, velocities| {
             let [linear, angular] = read(velocities, member.body as usize);
@@ -181,6 +179,31 @@ impl Joints {
             (linear, was, angular - was)
         });
         self.cold_start(supports, problem, &mut contacts);
+    }
+
+    fn begin_piece(&mut self, number: usize, problem: &PatchProblem) {
+        let times = self.times();
+        let piece = &mut self.pieces[number];
+        piece.prepare(&self.links);
+        for member in &mut self.members[piece.members.clone()] {
+            member.begin(&problem.bodies[member.body as usize]);
+        }
+        let links = &mut self.links[piece.links.clone()];
+        let mut joints = links.iter().map(|link| &self.joints[link.joint]);
+        piece.is_bonded = joints.any(|joint| joint.section.is_some());
+        for patch in &mut self.patches[piece.patches.clone()] {
+            patch.begin(problem, piece.is_bonded, &mut self.offsets);
+        }
+        for (link, log) in links.iter_mut().zip(&mut self.logs[piece.links.clone()]) {
+            let joint = &mut self.joints[link.joint];
+            (log.filtered, log.late) = (joint.filtered, joint.late);
+            for row in &mut self.rows[link.rows.clone()] {
+                *row = JointRow::new(row.coordinate, row.part);
+            }
+            link.point(joint, &mut self.rows, &self.members);
+            link.find_responses(&mut self.rows, &self.members);
+            link.start(joint, &mut self.rows, &times);
+        }
     }
 
     /// Finds the impulses of pieces that were just built, and of the contacts on which they stand: whose joints have none yet, and whose
@@ -203,7 +226,7 @@ impl Joints {
         let closed = fallen.max(PLACED_ACCURACY);
         let joints = &self.joints;
         let mut is_any_cold = false;
-        for piece in &mut self.pieces {
+        for piece in direct_mut(&mut self.pieces) {
             let links = lists.links[piece.links.clone()].iter();
             let mut forces = links.flat_map(|link| joints[link.joint].forces);
             if forces.all(|force| force == 0.0)
@@ -245,7 +268,7 @@ impl Joints {
             offsets: &self.offsets,
         };
         let mut sum = 0.0;
-        for piece in &mut self.pieces {
+        for piece in direct_mut(&mut self.pieces) {
             if piece.stays_calm(pass, &lists, &contacts) {
                 continue;
             }
@@ -263,12 +286,17 @@ impl Joints {
     /// Follows the drift of bodies after a soft sweep. `velocities` are those with which they drifted.
     pub fn drift(&mut self, velocities: &[Cell<State>], motions: &[Cell<State>]) {
         self.drifted += 1;
-        for member in &mut self.members {
+        let fixed = self.pieces.last().map_or(0, |piece| piece.members.end);
+        for member in &mut self.members[fixed..] {
             let body = member.body as usize;
             member.drift(read(velocities, body), read(motions, body), self.h);
         }
         let times = self.times();
-        for piece in &mut self.pieces {
+        for piece in direct_mut(&mut self.pieces) {
+            for member in &mut self.members[piece.members.clone()] {
+                let body = member.body as usize;
+                member.drift(read(velocities, body), read(motions, body), self.h);
+            }
             let slack = piece.calm() / self.bias_rate.max(f32::MIN_POSITIVE);
             let members = &self.members[piece.members.clone()];
             if piece.is_calm && members.iter().all(|member| member.is_still(slack)) {
@@ -311,7 +339,7 @@ impl Joints {
         ended: &[Cell<State>],
         velocities: &[Cell<State>],
     ) {
-        for piece in &mut self.pieces {
+        for piece in direct_mut(&mut self.pieces) {
             piece.unrecorded += 1;
             if is_last || !piece.is_calm || piece.is_strained {
                 record(
@@ -341,7 +369,7 @@ impl Joints {
         velocities: &[Cell<State>],
         bare: impl Fn(&Member, &[Cell<State>]) -> (Vec3, Vec3, Vec3),
     ) {
-        for piece in &mut self.pieces {
+        for piece in direct_mut(&mut self.pieces) {
             let is_refreshed = std::mem::take(&mut piece.is_refreshed);
             let members = &mut self.members[piece.members.clone()];
             // Bodies that do not turn need no spin carried over.
@@ -397,23 +425,41 @@ impl Joints {
         if self.is_empty() {
             return;
         }
-        loads::follow(&self.patches, problem, rate);
-        for (link, log) in self.links.iter().zip(&self.logs) {
+        for piece in direct(&self.pieces) {
+            loads::follow(&self.patches[piece.patches.clone()], problem, rate);
+            self.store_piece(piece, problem, motions);
+        }
+    }
+
+    fn store_piece(&self, piece: &Piece, problem: &mut PatchProblem, motions: &[State]) {
+        let links = self.links[piece.links.clone()].iter();
+        for (link, log) in links.zip(&self.logs[piece.links.clone()]) {
             let joint = &mut problem.joints[link.joint];
             joint.forces = [0.0; COORDINATES];
             for row in &self.rows[link.rows.clone()] {
                 joint.forces[row.coordinate] += row.impulse / self.h;
             }
+            joint.rest = joint.forces;
             joint.mean = log.sum.both(|sum| sum / self.substeps as f32);
             (joint.filtered, joint.late, joint.peak) = (log.filtered, log.late, log.peak);
             joint.broke = log.broke;
             joint.angles = link.angles(&self.joints[link.joint], &self.members);
         }
-        for member in self.members.iter().filter(|member| member.moves) {
+        let members = self.members[piece.members.clone()].iter();
+        for member in members.filter(|member| member.moves) {
             let body = &mut problem.bodies[member.body as usize];
             let motion = member.motion_of_step(&motions[member.body as usize]);
             body.motion = Some(motion.both(|motion| motion / problem.dt));
             body.motion_is_exact = true;
         }
     }
+}
+
+/// The pieces that are solved directly in this step.
+fn direct(pieces: &[Piece]) -> impl Iterator<Item = &Piece> {
+    pieces.iter().filter(|piece| !piece.is_swept)
+}
+
+fn direct_mut(pieces: &mut [Piece]) -> impl Iterator<Item = &mut Piece> {
+    pieces.iter_mut().filter(|piece| !piece.is_swept)
 }

@@ -11,6 +11,7 @@ mod results;
 mod system;
 
 use super::borders::Borders;
+use super::choice::loops;
 use super::factor::{Coupling, Factor, Numbers};
 use super::leaf::{Contacts, Held, Leaf, LeafPatch, read};
 use super::member::Member;
@@ -52,6 +53,10 @@ pub struct Piece {
     /// Its moving bodies among the members.
     pub members: Range<usize>,
     pub links: Range<usize>,
+    /// Number of loops of its bodies.
+    pub loops: usize,
+    /// It is not solved directly in this step.
+    pub is_swept: bool,
     /// By link.
     seats: Vec<Seat>,
     factor: Factor,
@@ -103,14 +108,11 @@ impl Piece {
         let moving = |end: usize| members.contains(&end).then(|| end - members.start);
         let ends = all[links.clone()].iter().map(|link| link.ends.both(moving));
         let both = |ends: [Option<usize>; 2]| Some([ends[0]?, ends[1]?]);
-        let edges: Vec<_> = ends.clone().filter_map(both).collect();
-        let factor = Factor::new(members.len(), &edges);
-        let seats = ends.map(|ends| Seat {
-            places: ends.both(|end| Some(factor.place_of(end?))),
-            coupling: both(ends).map(|ends| factor.coupling(ends)),
-        });
+        let mut edges: Vec<_> = ends.filter_map(both).collect();
         Self {
-            seats: seats.collect(),
+            loops: loops(members.len(), &mut edges),
+            is_swept: false,
+            seats: Vec::new(),
             members,
             links,
             held: Vec::new(),
@@ -120,7 +122,7 @@ impl Piece {
             has_fixed: false,
             solution: Vec::new(),
             is_fused: false,
-            factor,
+            factor: Factor::default(),
             is_stale: true,
             is_refreshed: true,
             is_driven,
@@ -132,6 +134,27 @@ impl Piece {
             patches: 0..0,
             leaves: Vec::new(),
         }
+    }
+
+    /// Finds its system, if it was not solved directly before. `all` are the links of all pieces.
+    pub fn prepare(&mut self, all: &[Link]) {
+        if !self.seats.is_empty() {
+            return;
+        }
+        let members = self.members.clone();
+        let moving = |end: usize| members.contains(&end).then(|| end - members.start);
+        let ends = all[self.links.clone()]
+            .iter()
+            .map(|link| link.ends.both(moving));
+        let both = |ends: [Option<usize>; 2]| Some([ends[0]?, ends[1]?]);
+        let edges: Vec<_> = ends.clone().filter_map(both).collect();
+        let factor = Factor::new(members.len(), &edges);
+        let seats = ends.map(|ends| Seat {
+            places: ends.both(|end| Some(factor.place_of(end?))),
+            coupling: both(ends).map(|ends| factor.coupling(ends)),
+        });
+        self.seats = seats.collect();
+        self.factor = factor;
     }
 
     /// Whether it is still calm. Finds its contacts that carry.

@@ -10,7 +10,8 @@ use crate::batches::Batches;
 use crate::groups::Groups;
 use crate::joint::{Geometry, Part, Placement, rows_of};
 use crate::sort;
-use crate::{JointConstraint, PatchProblem};
+use crate::{Body, JointConstraint, PatchProblem};
+use glam::Vec3;
 use std::ops::Range;
 
 /// The bodies of a joint and which rows it has.
@@ -37,15 +38,24 @@ impl Shape {
 
 impl Joints {
     /// The bodies of each piece, and its inverse mass as a whole, 1/kg; 0 if something holds it that does not move.
-    pub fn wholes(&self) -> impl Iterator<Item = (impl Iterator<Item = usize> + '_, f32)> + '_ {
+    pub fn wholes<'a>(
+        &'a self,
+        bodies: &'a [Body],
+    ) -> impl Iterator<Item = (impl Iterator<Item = usize> + 'a, f32)> + 'a {
         self.pieces.iter().map(|piece| {
             let members = &self.members[piece.members.clone()];
+            let body = |member: &Member| &bodies[member.body as usize];
             let links = self.links[piece.links.clone()].iter();
             let is_free = links
                 .flat_map(|link| link.ends)
                 .all(|end| piece.members.contains(&end))
-                && members.iter().all(Member::moves_along_all_axes);
-            let mass: f32 = members.iter().map(|member| 1.0 / member.inverse_mass).sum();
+                && members
+                    .iter()
+                    .all(|member| body(member).free_axes == Vec3::ONE);
+            let mass: f32 = members
+                .iter()
+                .map(|member| 1.0 / body(member).inverse_mass)
+                .sum();
             let bodies = members.iter().map(|member| member.body as usize);
             (bodies, if is_free { 1.0 / mass } else { 0.0 })
         })

@@ -69,6 +69,9 @@ fn was_auto<L: F32xN>(problem: &PatchProblem) -> bool {
 /// Whether blocks of eight are faster. A visit to a block of eight costs 1.1 times one of four.
 #[cfg(target_arch = "x86_64")]
 fn fills_eight(problem: &PatchProblem, found: &mut Option<Batches>) -> bool {
+    if problem.joints.len() >= MANY_JOINTS.max(problem.patches.len()) {
+        return true;
+    }
     if problem.patches.len() < WELL_FILLED {
         return false;
     }
@@ -80,6 +83,10 @@ fn fills_eight(problem: &PatchProblem, found: &mut Option<Batches>) -> bool {
 /// Mean number of patches in a block of eight from which on it is faster: skewed, those of a wall of 10 × 10 hold 7, those of an arch 5.
 #[cfg(target_arch = "x86_64")]
 const WELL_FILLED: usize = 4;
+
+/// Number of joints that fill blocks of eight.
+#[cfg(target_arch = "x86_64")]
+const MANY_JOINTS: usize = 64;
 
 #[cfg(test)]
 mod tests;

@@ -1,4 +1,4 @@
-//! Joints, solved directly in every sweep.
+//! Joints, solved directly in every sweep, but for ragdolls and nets, which are [swept].
 //!
 //! Rows that are relaxed one by one need sweeps in proportion to the number of links times the ratio of masses: a chain of 40 links under a
 //! load of a thousand links stretches by centimetres, or flies apart. So each connected [piece] of the joint graph is solved as a
@@ -12,7 +12,8 @@
 //! - **Impulses** are applied anew where arms have turned. The extrapolation of velocities, which contacts use, would repeat forces in
 //!   directions in which they no longer act.
 //! - **Geometric stiffness** ([`Member::stiffen`]): a light link under a large pull vibrates faster than any substep.
-//! - **Contacts** that carry jointed bodies are a part of the solve ([`leaf`]).
+//! - **Contacts** that carry jointed bodies are a part of the solve ([`leaf`]), unless the other body is far lighter.
+//! - **[The choice](choice)** which pieces are swept is made in each step, by the loads of their bodies.
 //! - **Bounds** of motors, limits and friction hold within the solve ([`piece`]).
 //! - **Breaking**: forces pass a low-pass with a time constant, since the force of a single substep grows with the rate of substeps
 //!   wherever something hits. Bonded patches break within the step ([`breaking`]), and share loads by their areas ([`sharing`]).

@@ -76,9 +76,11 @@ fn is_tame(joint: &JointConstraint, bodies: &[Body]) -> bool {
     is_alike && is_near(0) && is_near(1)
 }
 
-/// Whether something acts on its rotations. Chains of other joints swing freely, which shows what energy they lose.
+/// Whether something limits or slows its free rotations. Chains, bridges of planks and doors swing freely, which shows what energy they
+/// lose.
 fn is_limited(joint: &JointConstraint) -> bool {
-    joint.swing.is_some() || joint.axes[3..].iter().any(|axis| *axis != JointAxis::FREE)
+    let mut turns = joint.axes[3..].iter();
+    joint.swing.is_some() || turns.any(|axis| *axis != JointAxis::FREE && !axis.is_locked())
 }
 
 impl Piece {

@@ -92,9 +92,9 @@ pub struct SoftStep {
     /// Maximum number of sweeps in a step. The stiffness of springs follows the rate of sweeps, so springs are softer where the length of
     /// the step and the structure call for more sweeps than this.
     pub max_sweeps: usize,
-    /// Ragdolls and nets are relaxed in sweeps instead of being solved directly ([`joints`]): 100 ragdolls take a quarter of the time, and
-    /// their joints open by a hundredth of a metre in a fall instead of a ten-thousandth. Bodies that carry many times their own weight, as
-    /// links of a chain or legs of a table, are always solved directly, and so is mortar. Default: true.
+    /// Ragdolls (eight limited joints and more) and nets are relaxed in sweeps instead of being solved directly: a third to a twentieth of
+    /// the time, and joints that open by up to a centimetre in a fall instead of a tenth of a millimetre. Bodies that carry many times their
+    /// own weight, as links of a chain or legs of a table, are always solved directly, and so is mortar. Default: true.
     pub sweeps_joints: bool,
     /// Number of patches that are relaxed side by side.
     pub lanes: Lanes,

@@ -93,8 +93,8 @@ pub struct SoftStep {
     /// the step and the structure call for more sweeps than this.
     pub max_sweeps: usize,
     /// Ragdolls (eight limited joints and more) and nets are relaxed in sweeps instead of being solved directly: a third to a twentieth of
-    /// the time, and joints that open by up to a centimetre in a fall instead of a tenth of a millimetre. Bodies that carry many times their
-    /// own weight, as links of a chain or legs of a table, are always solved directly, and so is mortar. Default: true.
+    /// the time, and joints that open by up to a centimetre in a fall instead of a tenth of a millimetre. Bodies that carry many times
+    /// their own weight, as links of a chain or legs of a table, are always solved directly, and so is mortar. Default: true.
     pub sweeps_joints: bool,
     /// Number of patches that are relaxed side by side.
     pub lanes: Lanes,

@@ -65,7 +65,7 @@ fn can_be_swept(joint: &JointConstraint) -> bool {
 }
 
 /// Whether its bodies are of similar masses, and its anchors near them.
-fn is_tame(joint: &JointConstraint, bodies: &[Body]) -> bool {
+fn is_well_conditioned(joint: &JointConstraint, bodies: &[Body]) -> bool {
     let bodies = joint.bodies.both(|body| &bodies[body as usize]);
     let [a, b] = bodies.both(|body| body.inverse_mass);
     let is_near = |side: usize| {
@@ -102,6 +102,7 @@ impl Joints {
             has_changed |=
                 std::mem::replace(&mut self.pieces[number].is_swept, is_swept) != is_swept;
         }
+        self.has_new_swept = has_changed;
         if has_changed {
             self.swept.clear();
             let pieces = self.pieces.iter().filter(|piece| piece.is_swept);
@@ -119,6 +120,11 @@ impl Joints {
             .pieces
             .partition_point(|piece| piece.members.end <= member);
         self.pieces[piece].is_net()
+    }
+
+    /// Whether the swept joints or their bodies are others than in the last step. Pieces that were found anew are swept for the first time.
+    pub fn has_new_swept(&self) -> bool {
+        self.has_new_swept
     }
 
     /// The swept joints, by index in the problem.
@@ -172,7 +178,7 @@ impl Joints {
         if !can_turn || !joints().all(can_be_swept) {
             return false;
         }
-        if !joints().all(|joint| is_tame(joint, problem.bodies)) {
+        if !joints().all(|joint| is_well_conditioned(joint, problem.bodies)) {
             return false;
         }
         if piece.is_net() {

@@ -83,6 +83,7 @@ pub struct Joints {
     joints: Vec<JointConstraint>,
     /// The joints that are swept in this step.
     swept: Vec<u32>,
+    has_new_swept: bool,
     /// By body: the forces on it.
     strains: Vec<Strain>,
     h: f32,

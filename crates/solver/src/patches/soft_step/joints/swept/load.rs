@@ -1,9 +1,8 @@
 //! Loads joints into blocks as a step begins, and stores them as it ends.
 
-use super::super::Joints;
-use super::Swept;
 use super::block::{AngularRow, JointBlock};
 use super::turn::BodyBlock;
+use super::{Joints, Swept};
 use crate::Both;
 use crate::batches::Batches;
 use crate::joint::{COORDINATES, Geometry, Part, Placement, filter_share, is_angular, rows_of};

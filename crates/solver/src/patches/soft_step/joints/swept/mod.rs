@@ -57,7 +57,7 @@ impl<L: F32xN> Swept<L> {
         substeps: usize,
         [velocities, motions]: [&mut [State]; 2],
     ) {
-        if self.joints != joints.swept() {
+        if joints.has_new_swept() || self.joints != joints.swept() {
             self.joints = joints.swept().to_vec();
             self.batches = None;
         }

@@ -1,6 +1,7 @@
 //! Swept joints follow the motion of their bodies: how bodies have turned since the beginning of the step, and what of joints turns along.
 
 use super::block::{AngularRow, JointBlock};
+use crate::joint::Bend;
 use crate::lanes::{F32xN, Kernel, SpatialVec, State, Symmetric, Vec3xN};
 use std::cell::Cell;
 
@@ -192,9 +193,6 @@ pub struct Refresh<'a, L: F32xN> {
     pub are_applied: bool,
 }
 
-/// The share of the curvature of a way that joints allow for. With all of it, chains gain energy; see [`Bend`](crate::joint::Bend).
-const CURVED: f32 = 0.9;
-
 impl<L: F32xN> Kernel for Refresh<'_, L> {
     type Output = ();
 
@@ -298,7 +296,7 @@ impl<L: F32xN> JointBlock<L> {
         };
         let inward_a = a.angular.cross(a.angular.cross(self.arms[0]));
         let inward_b = b.angular.cross(b.angular.cross(self.arms[1]));
-        let rigid = (inward_a - inward_b).scale(L::splat(0.5 * CURVED * of.h));
+        let rigid = (inward_a - inward_b).scale(L::splat(Bend::inward_rate(1.0, of.h)));
         self.wanted = [rigid + back, rigid];
     }
 }

@@ -3,7 +3,7 @@
 use super::BreakForce;
 use super::definition::JointDefinition;
 use crate::body::{BodyTable, Pose, SpawnOrder, WORLD};
-use crate::solver::{JointAxis, JointConstraint};
+use crate::solver::{BondEnd, JointAxis, JointConstraint};
 use bevy_ecs::entity::{EntityMapper, MapEntities};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
@@ -103,6 +103,27 @@ impl JointEdge {
         [ANCHOR_ROUNDING * (far + a + b), 2.0 * ANCHOR_ROUNDING]
     }
 
+    /// The ends of a bond.
+    fn bond(&self, table: &BodyTable) -> Option<[BondEnd; 2]> {
+        self.definition.section?;
+        let (anchors, rotations) = (self.definition.anchors(), self.definition.rotations());
+        let end = |i: usize| match table.get(self.slots[i]) {
+            Some(body) => BondEnd {
+                arm: anchors[i] - body.mass.local_center,
+                frame: rotations[i],
+                center: body.center,
+                rotation: body.pose.rotation,
+            },
+            None => BondEnd {
+                arm: Vec3::ZERO,
+                frame: rotations[i],
+                center: anchors[i],
+                rotation: Quat::IDENTITY,
+            },
+        };
+        Some([end(0), end(1)])
+    }
+
     /// The constraint of the solver, without the indices of its bodies.
     pub(crate) fn constraint(&self, table: &BodyTable) -> JointConstraint {
         let [a, b] = self.placed(table);
@@ -117,6 +138,8 @@ impl JointEdge {
                 .filter(|axis| *axis != JointAxis::FREE),
             swing: self.definition.swing.map(JointAxis::at_most),
             section: self.definition.section,
+            bond: self.bond(table),
+            order: self.order.0,
             slack: self.slack(table),
             ..Default::default()
         }

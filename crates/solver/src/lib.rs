@@ -33,6 +33,8 @@ pub mod revision;
 mod rounds;
 #[doc(hidden)]
 pub mod sort;
+#[doc(hidden)]
+pub mod spin;
 mod walls;
 mod width;
 
@@ -41,7 +43,8 @@ pub use body::Body;
 pub use both::Both;
 pub use grab::GrabConstraint;
 pub use joint::{
-    COORDINATES, JointAxis, JointConstraint, JointMotor, MortarFailure, Section, Utilization,
+    BondEnd, COORDINATES, JointAxis, JointConstraint, JointMotor, MortarFailure, Section,
+    Utilization,
 };
 pub use patches::{
     Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SMALL_ISLAND_PATCHES, Settling,

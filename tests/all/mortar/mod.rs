@@ -4,6 +4,7 @@ mod breaking;
 mod laying;
 mod rest;
 mod strength;
+mod whole;
 
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;

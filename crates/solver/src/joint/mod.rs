@@ -4,6 +4,7 @@
 //! limited, driven by a motor, held by a spring or slowed by friction. A fixed joint locks all six axes; a hinge frees one rotation; a rope
 //! limits the distance of the anchors and frees everything else.
 
+mod bond;
 mod geometry;
 mod motor;
 mod plain;
@@ -14,6 +15,7 @@ use super::Body;
 use crate::Both;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
+pub use bond::BondEnd;
 pub(super) use geometry::{Bend, Geometry, Placement};
 use glam::{Quat, Vec3};
 pub(super) use plain::PlainJoint;
@@ -60,6 +62,10 @@ pub struct JointConstraint {
     pub filter: f32,
     /// The joint is a bonded patch that breaks by the stresses in this section.
     pub section: Option<Section>,
+    /// Its ends, if it is a bond: one with a section that locks all axes. Bodies that hang together by bonds alone are solved as one.
+    pub bond: Option<[BondEnd; 2]>,
+    /// The number of a bond in the order of spawning. Bonds are known by it from step to step.
+    pub order: u64,
     /// Errors of position up to these are rounding of poses, m and rad. Rows are so stiff that rounding would keep a joint from coming to
     /// rest, and would put bonds that hold each other under more stress than mortar bears.
     pub slack: [f32; 2],
@@ -88,6 +94,8 @@ impl Default for JointConstraint {
             peak: [0.0; 2],
             filter: 0.01,
             section: None,
+            bond: None,
+            order: 0,
             slack: [0.0; 2],
             angles: None,
             broke: None,

@@ -12,6 +12,7 @@ pub struct Memory {
     problem: Revision,
     /// By patch.
     patches: Vec<Revision>,
+    lasting: Option<Box<dyn Any + Send + Sync>>,
 }
 
 /// The state, and the revision of the problem that it was derived from.
@@ -32,6 +33,21 @@ impl Memory {
     /// Drops the state.
     pub fn discard(&mut self) {
         self.kept = None;
+    }
+
+    /// The revision of the problem.
+    pub fn revision(&self) -> Revision {
+        self.problem
+    }
+
+    /// Takes the state that lasts when bodies and patches change. The solver must check what it is valid for.
+    pub fn take_lasting<T: Any>(&mut self) -> Option<Box<T>> {
+        self.lasting.take()?.downcast().ok()
+    }
+
+    /// Keeps a state that lasts when bodies and patches change.
+    pub fn keep_lasting<T: Any + Send + Sync>(&mut self, state: Box<T>) {
+        self.lasting = Some(state);
     }
 
     /// The revision of the contact of each patch. If it is that of the last step, the patch equals that of the last step, except for its

@@ -24,6 +24,7 @@
 //!   would throw the bodies that had sunk in a long one.
 //! - **Blows** ([`blows`]): where bodies hit each other, a substep gets more sweeps, and the next substep begins without the blow.
 //! - **Joints** ([`joints`]) are solved directly, after the contacts of every sweep. Sweeps of their islands do not overlap.
+//! - **Bonded structures** ([`bonded`]) are one rigid body each while their bonds hold.
 //! - **Parting** ([`parting`]): bodies that overlap deeply are moved apart and gain no velocity by it.
 //! - **Settling** ([`settling`]): in worlds with sleeping, a tall structure that sways loses speed, so that it comes to rest.
 //! - **Cold start** ([`start`]): a structure that was just built gets impulses and loads that keep it still, and the supports of a
@@ -37,6 +38,7 @@
 //! `examples/study` measures the effect of each part; `docs/stability.md` has the results.
 
 mod blows;
+mod bonded;
 mod contact;
 mod gaps;
 mod grabs;
@@ -94,7 +96,8 @@ pub struct SoftStep {
     pub max_sweeps: usize,
     /// Ragdolls (eight limited joints and more) and nets are relaxed in sweeps instead of being solved directly: a third to a twentieth of
     /// the time, and joints that open by up to a centimetre in a fall instead of a tenth of a millimetre. Bodies that carry many times
-    /// their own weight, as links of a chain or legs of a table, are always solved directly, and so is mortar. Default: true.
+    /// their own weight, as links of a chain or legs of a table, are always solved directly. If false, bodies that mortar bonds are solved
+    /// joint by joint, and not as one body. Default: true.
     pub sweeps_joints: bool,
     /// Number of patches that are relaxed side by side.
     pub lanes: Lanes,
@@ -145,12 +148,8 @@ impl PatchSolver for SoftStep {
     }
 
     fn solve(&self, problem: &mut PatchProblem) -> SolveReport {
-        let mut found = None;
-        match self.width(problem, &mut found) {
-            #[cfg(target_arch = "x86_64")]
-            Width::Eight => self.solve_in::<F32x8>(problem, found),
-            Width::Four => self.solve_in::<F32x4>(problem, None),
-        }
+        self.solve_bonded(problem)
+            .unwrap_or_else(|| self.solve_plain(problem))
     }
 
     fn solve_each(&self, problems: &mut [PatchProblem]) -> Vec<SolveReport> {
@@ -166,6 +165,18 @@ impl PatchSolver for SoftStep {
                 self.solve_together::<F32x4, F32x8AsFour>(problems)
             }
             Width::Four => self.solve_together::<F32x4, F32x4>(problems),
+        }
+    }
+}
+
+impl SoftStep {
+    /// Solves a problem with each body as one of its own.
+    fn solve_plain(&self, problem: &mut PatchProblem) -> SolveReport {
+        let mut found = None;
+        match self.width(problem, &mut found) {
+            #[cfg(target_arch = "x86_64")]
+            Width::Eight => self.solve_in::<F32x8>(problem, found),
+            Width::Four => self.solve_in::<F32x4>(problem, None),
         }
     }
 }

@@ -310,7 +310,7 @@ const SWEEPS: usize = 6;
 const ROUNDING: f64 = 1e-9;
 
 /// The principal axes and moments of a symmetric matrix, by Jacobi's method.
-fn principal(matrix: &DMat3) -> (Mat3, DVec3) {
+pub fn principal(matrix: &DMat3) -> (Mat3, DVec3) {
     let (mut matrix, mut axes) = (*matrix, DMat3::IDENTITY);
     let least = ROUNDING * (matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z);
     for _ in 0..SWEEPS {

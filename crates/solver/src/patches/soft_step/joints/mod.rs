@@ -21,7 +21,7 @@
 mod borders;
 mod breaking;
 mod choice;
-mod factor;
+pub mod factor;
 mod in_sweeps;
 mod leaf;
 mod loads;
@@ -31,7 +31,7 @@ mod piece;
 mod pieces;
 mod row;
 mod sharing;
-mod springs;
+pub mod springs;
 pub mod swept;
 
 use crate::Both;
@@ -45,7 +45,7 @@ use glam::{Mat3, Vec3};
 pub use leaf::Contacts;
 use leaf::{LeafPatch, read};
 use log::{Log, record};
-pub use member::Member;
+pub use member::{Member, principal};
 use piece::{Lists, Piece};
 use pieces::Shape;
 use row::{JointRow, Link};

@@ -17,7 +17,7 @@ use crate::Both;
 use glam::{DVec3, Vec3};
 
 /// Three columns of three numbers and a zero.
-type Columns = [Quad; 3];
+pub type Columns = [Quad; 3];
 
 /// The rows of a joint.
 pub struct Springs {
@@ -73,6 +73,12 @@ impl Springs {
             }
         }
         let arms = link.geometry.arms.both(Vec3::as_dvec3);
+        Self::new::<FUSED>(matrices, arms)
+    }
+
+    /// Of S and T, and the arms of A and B.
+    #[inline(always)]
+    pub fn new<const FUSED: bool>(matrices: [Columns; 2], arms: [DVec3; 2]) -> Self {
         let [one, other] = arms;
         Self {
             turned: [

@@ -33,7 +33,7 @@ const SCENES: [Scene; 6] = [
 ];
 
 /// Time steps, and how long is simulated, s; less when quick.
-pub const TIMES: [(f32, f32, f32); 2] = [(1.0 / 60.0, 10.0, 4.0), (0.1, 60.0, 20.0)];
+pub const TIMES: [(f32, f32, f32); 2] = [(1.0 / 60.0, 10.0, 2.0), (0.1, 60.0, 10.0)];
 
 /// Iterations of the paper's solvers. Two to six cost as much as the default.
 const BUDGETS: [usize; 8] = [2, 4, 6, 12, 24, 48, 75, 150];
@@ -116,7 +116,7 @@ impl Scope {
         all.dedup();
         let affordable = |&n: &usize| {
             let longest = match self.quick {
-                true => 0.35,
+                true => 0.17,
                 false if n == method.own_iterations(case) => 15.0,
                 false => 2.5,
             };

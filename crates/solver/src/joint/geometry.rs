@@ -229,7 +229,7 @@ impl Geometry {
         Self {
             arms: [turned[0] + gap, turned[1]],
             gap,
-            axes: [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| frame * axis),
+            axes: [frame * Vec3::X, frame * Vec3::Y, frame * Vec3::Z],
             frame,
             relative,
             hinge: hinge.map(angle),
@@ -300,7 +300,8 @@ impl Geometry {
     /// A vector of the world in A's frame.
     #[inline]
     pub fn local(&self, vector: Vec3) -> Vec3 {
-        Vec3::from_array(self.axes.map(|axis| axis.dot(vector)))
+        let [x, y, z] = &self.axes;
+        Vec3::new(x.dot(vector), y.dot(vector), z.dot(vector))
     }
 
     /// The angle that counts turns.

@@ -259,7 +259,8 @@ impl Member {
     pub fn masses(&self) -> DVec3 {
         let mass = 1.0 / self.inverse_mass as f64;
         let mass = |free: f32| if free == 0.0 { LOCKED * mass } else { mass };
-        DVec3::from_array(self.free_axes.to_array().map(mass))
+        let [x, y, z] = self.free_axes.to_array();
+        DVec3::new(mass(x), mass(y), mass(z))
     }
 
     /// The changes of its velocities for those that the solve has found: none along locked axes.
@@ -323,13 +324,17 @@ pub fn principal(matrix: &DMat3) -> (Mat3, DVec3) {
             let tangent = half.signum() / (half.abs() + (half * half + 1.0).sqrt());
             let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
             let sine = tangent * cosine;
-            let mut turn = DMat3::IDENTITY;
-            turn.col_mut(p)[p] = cosine;
-            turn.col_mut(q)[q] = cosine;
-            turn.col_mut(q)[p] = sine;
-            turn.col_mut(p)[q] = -sine;
-            matrix = turn.transpose() * matrix * turn;
-            axes *= turn;
+            let turn =
+                |one: DVec3, other| (cosine * one - sine * other, sine * one + cosine * other);
+            let (one, other) = turn(matrix.col(p), matrix.col(q));
+            matrix.col_mut(p)[p] -= tangent * off;
+            matrix.col_mut(q)[q] += tangent * off;
+            let r = 3 - p - q;
+            for (column, row, number) in [(p, q, 0.0), (p, r, one[r]), (q, r, other[r])] {
+                matrix.col_mut(column)[row] = number;
+                matrix.col_mut(row)[column] = number;
+            }
+            (*axes.col_mut(p), *axes.col_mut(q)) = turn(axes.col(p), axes.col(q));
         }
     }
     let moments = DVec3::new(matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z);

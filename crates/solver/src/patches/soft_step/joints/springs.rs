@@ -94,7 +94,8 @@ impl Springs {
     #[inline(always)]
     pub fn add_to<const FUSED: bool>(&self, block: &mut Block, [x, y]: [usize; 2]) {
         let [a, b, c] = &self.turned[x];
-        let across = [0, 1, 2].map(|i| [a[i], b[i], c[i], 0.0]);
+        let row = |i: usize| [a[i], b[i], c[i], 0.0];
+        let across = [row(0), row(1), row(2)];
         let turned = turn::<FUSED>(self.arms[y], self.matrices[1], &across);
         let sign = if x == y { 1.0 } else { -1.0 };
         for j in 0..3 {

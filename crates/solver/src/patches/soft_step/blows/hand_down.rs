@@ -11,7 +11,6 @@
 use super::hot::{Hot, Place};
 use super::{BLOW_SPEED, SETTLED_CHANGE};
 use crate::Both;
-use crate::contact_row::{ContactRow, add_to};
 use crate::groups::Groups;
 use crate::lanes::{F32xN, State};
 use crate::patches::soft_step::island::Island;
@@ -55,11 +54,19 @@ struct Before {
     impulse: f32,
 }
 
-/// A point of contact under a body.
+/// A point of contact under a body. The body below cannot yield.
 struct Support {
-    /// A is the body, B the one below, which cannot yield.
-    row: ContactRow,
+    /// Unit vector along which the point pushes the body, and its moment about the centre of mass, m.
+    push: [Vec3; 2],
+    /// The change of the body's velocity by an impulse of 1 N·s, m/s and rad/s.
+    answer: [Vec3; 2],
+    /// Inverse effective mass, 1/kg; positive.
+    response: f32,
+    /// Its impulse, N·s.
+    impulse: f32,
     below: u32,
+    /// From the centre of mass of the body below to the point, m.
+    arm_below: Vec3,
     /// The index of the point that holds its impulse.
     point: u32,
     lane: u32,
@@ -71,14 +78,20 @@ struct Support {
 
 impl Support {
     /// The velocity that the body lacks at the point, m/s.
-    fn lack(&self, velocity: [Vec3; 2]) -> f32 {
-        self.least - self.row.rate_of_a(velocity)
+    #[inline]
+    fn lack(&self, [linear, angular]: [Vec3; 2]) -> f32 {
+        self.least - (self.push[0].dot(linear) + self.push[1].dot(angular))
     }
 
     /// Adds to its impulse, which stays ≥ 0. Returns the amount that was added, N·s.
-    fn give(&mut self, impulse: f32, body: &Body, velocity: &mut [Vec3; 2]) -> f32 {
-        let given = self.row.add(impulse, 0.0);
-        add_to(velocity, self.row.answer(given, body, 0));
+    #[inline]
+    fn give(&mut self, impulse: f32, velocity: &mut [Vec3; 2]) -> f32 {
+        let before = self.impulse;
+        self.impulse = (before + impulse).max(0.0);
+        let given = self.impulse - before;
+        for (velocity, answer) in velocity.iter_mut().zip(self.answer) {
+            *velocity += given * answer;
+        }
         given
     }
 }
@@ -264,12 +277,11 @@ impl HandDown {
     /// Applies the impulses of the rows to their points and to the bodies below.
     fn hand_on<L: F32xN>(&mut self, body: u32, problem: &PatchProblem, island: &mut Island<L>) {
         for support in &self.rows {
-            let given = support.row.impulse - support.before;
+            let given = support.impulse - support.before;
             if given == 0.0 {
                 continue;
             }
-            island.points[support.point as usize].impulse[support.lane as usize] =
-                support.row.impulse;
+            island.points[support.point as usize].impulse[support.lane as usize] = support.impulse;
             self.impulses.push(Before {
                 body,
                 point: support.point,
@@ -279,7 +291,7 @@ impl HandDown {
             let below = &problem.bodies[support.below as usize];
             if below.inverse_mass > 0.0 {
                 self.linked.link([body, support.below]);
-                let answer = support.row.answer(given, below, 1);
+                let answer = below.answer(-given * support.push[0], support.arm_below);
                 let state = &mut island.velocities[support.below as usize];
                 for (velocity, change) in state.iter_mut().zip(answer) {
                     *velocity += change.extend(0.0);
@@ -300,6 +312,7 @@ impl HandDown {
         rate: f32,
     ) {
         self.rows.clear();
+        let stops = &problem.bodies[body as usize];
         for (place, below) in beneath(hot, problem, body) {
             let patch = &problem.patches[place.patch as usize];
             let side = place.side as usize;
@@ -311,25 +324,27 @@ impl HandDown {
             let first = island.blocks[place.block as usize].first;
             let [linear, angular] = self.stopped[below as usize].both(Vec4::truncate);
             for (point, offset) in (first..).zip(&problem.points[patch.range()]) {
-                let arms = [side, 1 - side].both(|side| patch.arms[side] + offset.offset);
+                let [arm, arm_below] =
+                    [side, 1 - side].both(|side| patch.arms[side] + offset.offset);
                 let found = &island.points[point as usize];
                 let lane = place.lane as usize;
-                let response = problem.bodies[body as usize].response(normal, arms[0]);
+                let push = [normal, arm.cross(normal)];
+                let answer = stops.answer(normal, arm);
+                let response = push[0].dot(answer[0]) + push[1].dot(answer[1]);
                 if response <= 0.0 {
                     continue;
                 }
                 self.rows.push(Support {
-                    row: ContactRow {
-                        direction: normal,
-                        arms,
-                        response,
-                        impulse: found.impulse[lane],
-                    },
+                    push,
+                    answer,
+                    response,
+                    impulse: found.impulse[lane],
                     below,
+                    arm_below,
                     point,
                     lane: place.lane,
                     // The body may still close the gap.
-                    least: normal.dot(linear + angular.cross(arms[1])) - found.gap[lane] * rate,
+                    least: normal.dot(linear + angular.cross(arm_below)) - found.gap[lane] * rate,
                     before: found.impulse[lane],
                 });
             }
@@ -352,25 +367,21 @@ fn stop(rows: &mut [Support], body: &Body, velocity: &mut [Vec3; 2]) {
     let (mut missing, mut force, mut moment) = (0.0, Vec3::ZERO, Vec3::ZERO);
     for support in rows.iter().filter(|support| lacking(support)) {
         missing += support.lack(was);
-        force += support.row.direction;
-        moment += support.row.arms[0].cross(support.row.direction);
+        force += support.push[0];
+        moment += support.push[1];
     }
     let turned = moment.dot(body.inverse_inertia * moment);
     let response = body.inverse_mass * (force * body.free_axes).length_squared() + turned;
     if missing > 0.0 && response > 0.0 {
         for support in rows.iter_mut().filter(|support| lacking(support)) {
-            support.give(missing / response, body, velocity);
+            support.give(missing / response, velocity);
         }
     }
     for _ in 0..MAX_VISITS {
         let mut most = 0f32;
         for support in rows.iter_mut() {
-            let given = support.give(
-                support.lack(*velocity) / support.row.response,
-                body,
-                velocity,
-            );
-            most = most.max(given.abs() * support.row.response);
+            let given = support.give(support.lack(*velocity) / support.response, velocity);
+            most = most.max(given.abs() * support.response);
         }
         if most < SETTLED_VELOCITY {
             break;

@@ -306,18 +306,6 @@ impl Arc {
         }
     }
 
-    /// Upper bound of `normal · way` over the normals of the arc.
-    fn max_along(&self, way: DVec3) -> f64 {
-        let [x, y] = self.normals.both(|normal| normal.dot(way));
-        let cos = self.normals[0].dot(self.normals[1]);
-        if y > cos * x && x > cos * y && cos.abs() < 1.0 {
-            // The maximum is between the two.
-            ((x * x + y * y - 2.0 * cos * x * y) / (1.0 - cos * cos)).sqrt()
-        } else {
-            x.max(y)
-        }
-    }
-
     /// Returns the direction in which the arcs cross, and the distance of the second edge from the first along it.
     fn crosses(&self, other: &Self) -> Option<(DVec3, f64)> {
         let [a, b] = self.normals;
@@ -358,18 +346,11 @@ fn best_edges<A: Solid, B: Solid>(
         place.point(b.center()),
     );
     let mut of_b = Arcs::new();
-    for edge in 0..b.edges() {
-        let arc = Arc::of(b, edge);
-        if arc.max_along(center_a - arc.on) - a.inner() > floor {
-            of_b.push(arc.reversed(place));
-        }
-    }
+    towards(b, center_a, floor + a.inner(), |arc| {
+        of_b.push(arc.reversed(place));
+    });
     let mut best = None;
-    for edge in 0..a.edges() {
-        let arc = Arc::of(a, edge);
-        if arc.max_along(center_b - arc.on) - b.inner() <= floor {
-            continue;
-        }
+    towards(a, center_b, floor + b.inner(), |arc| {
         for other in &of_b {
             if let Some((normal, own)) = arc.crosses(other)
                 && own > floor
@@ -385,8 +366,46 @@ fn best_edges<A: Solid, B: Solid>(
                 });
             }
         }
-    }
+    });
     best
+}
+
+/// Visits the edges of a solid along whose arcs a point is, or may be, higher than `least`, m.
+///
+/// On the plane of a face of an edge lies the edge. So the heights of the point above the faces, each of which has several edges, tell
+/// those above the edge along the two ends of its arc.
+fn towards<S: Solid>(solid: &S, at: DVec3, least: f64, mut visit: impl FnMut(Arc)) {
+    let mut faces = SmallVec::<[(DVec3, f64); 32]>::new();
+    for face in 0..solid.faces() {
+        let (normal, offset) = solid.plane(face);
+        faces.push((normal, normal.dot(at) - offset));
+    }
+    for edge in 0..solid.edges() {
+        let ridge = solid.edge(edge);
+        let [(one, x), (other, y)] = ridge.faces.both(|face| faces[face as usize]);
+        // Where both faces look away from the point, so does all between them.
+        if x.max(y) <= least.min(0.0) {
+            continue;
+        }
+        let cos = one.dot(other);
+        let is_between = y > cos * x && x > cos * y && cos.abs() < 1.0;
+        // Between the two it is √(x² + y² − 2xy cos) / sin.
+        let is_high = match is_between {
+            true => {
+                least < 0.0 || x * x + y * y - 2.0 * cos * x * y > least * least * (1.0 - cos * cos)
+            }
+            false => x.max(y) > least,
+        };
+        if is_high {
+            let [from, to] = ridge.ends.both(|i| solid.point(i));
+            visit(Arc {
+                edge,
+                on: from,
+                along: to - from,
+                normals: [one, other],
+            });
+        }
+    }
 }
 
 /// The same for two boxes. Their edges have three directions each, so there are nine cross products. The signs of the normal give the

@@ -18,7 +18,7 @@ use glam::{Vec3, Vec3Swizzles};
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose;
 
-use parry3d::shape::{Shape, Triangle, TypedShape};
+use parry3d::shape::{ConvexPolyhedron, Shape, Triangle, TypedShape};
 use smallvec::SmallVec;
 
 /// Largest height of a step between flush surfaces, as a share of the smaller body's size.
@@ -39,6 +39,9 @@ const TILTED_COSINE: f32 = 0.9986;
 
 /// A body with more edges than this is ground, which does not slide over the bodies on it.
 const MAX_EDGES: usize = 512;
+
+/// The neighbours of a body are asked instead of those of another one if they are so many times fewer.
+const FEWER_EDGES: usize = 4;
 
 /// The bodies that may cover an edge.
 #[derive(Clone, Copy)]
@@ -124,13 +127,25 @@ impl Surroundings<'_> {
         }
         let rounding = 4.0 * f32::EPSILON * (around.middle.abs().max_element() + around.radius);
         let slack = around.radius + 2.0 * (side.flush + rounding);
-        let others = self.graph.edges_at(side.other_slot);
-        let others = others.filter_map(|(link, _)| self.table.get(link.other(side.other_slot)));
-        let near = others.filter(|body| {
-            body.entity != side.obstacle.entity
-                && (body.center - around.middle).length() <= body.radius + slack
-        });
-        Some(near.collect())
+        let is_near = |slot: u32| {
+            let body = self.table.get(slot)?;
+            let is_near = (body.center - around.middle).length() <= body.radius + slack;
+            (is_near && body.entity != side.obstacle.entity).then_some(body)
+        };
+        let ends = |of: u32| self.graph.edges_at(of).map(move |(link, _)| link.other(of));
+        let edges = self.graph.edges_of(side.other_slot).len();
+        // Hundreds may be in a drum, and few beside one of them. A body that moves has an edge with each that it may touch.
+        if side.obstacle.is_dynamic() && self.graph.edges_of(side.slot).len() < edges / FEWER_EDGES
+        {
+            let near = ends(side.slot).filter_map(|slot| Some((slot, is_near(slot)?)));
+            let meets = |slot: u32| ends(slot).any(|other| other == side.other_slot);
+            return Some(
+                near.filter(|near| meets(near.0))
+                    .map(|near| near.1)
+                    .collect(),
+            );
+        }
+        Some(ends(side.other_slot).filter_map(is_near).collect())
     }
 }
 
@@ -225,7 +240,8 @@ struct Side<'a> {
     other: &'a BodyState,
     /// Length of the step, s.
     dt: f32,
-    /// The slot of the other body.
+    /// The slots of the two bodies.
+    slot: u32,
     other_slot: u32,
     /// The normal of the pair times this points away from the obstacle.
     sign: f32,
@@ -245,6 +261,7 @@ impl<'a> Side<'a> {
             obstacle: bodies[obstacle],
             other: bodies[1 - obstacle],
             dt,
+            slot: slots[obstacle],
             other_slot: slots[1 - obstacle],
             sign: [-1.0, 1.0][obstacle],
             flush: (FLUSH_HEIGHT * size).min(FLUSH_OF_ENVELOPE * outer.max(0.0)),
@@ -355,10 +372,25 @@ impl Site {
             velocity,
         };
         let at = pose.inverse_transform_point(self.at);
-        if piece.shape().distance_to_local_point(at, true) <= self.flush {
+        let is_here = match piece.shape().as_typed_shape() {
+            // In front of its edges the planes are nearer than the hull, by less than the tolerance matters.
+            TypedShape::ConvexPolyhedron(hull) => {
+                planes(hull).all(|(normal, on)| normal.dot(at - on) <= self.flush)
+            }
+            _ => piece.shape().distance_to_local_point(at, true) <= self.flush,
+        };
+        if is_here {
             visit(piece);
         }
     }
+}
+
+/// The outward normal of each face of a hull, and a point of the face.
+fn planes(hull: &ConvexPolyhedron) -> impl Iterator<Item = (Vec3, Vec3)> {
+    hull.faces().iter().map(|face| {
+        let corner = hull.vertices_adj_to_face()[face.first_vertex_or_edge as usize];
+        (face.normal, hull.points()[corner as usize])
+    })
 }
 
 enum Form<'a> {
@@ -422,10 +454,8 @@ impl Piece<'_> {
                 }
             }
             TypedShape::ConvexPolyhedron(hull) => {
-                for of_hull in hull.faces() {
-                    let first = of_hull.first_vertex_or_edge as usize;
-                    let corner = hull.vertices_adj_to_face()[first];
-                    face(of_hull.normal, hull.points()[corner as usize]);
+                for (normal, on) in planes(hull) {
+                    face(normal, on);
                 }
             }
             TypedShape::Cylinder(cylinder) => {

@@ -23,6 +23,11 @@ pub(super) type Candidates = SmallVec<[Candidate; 8]>;
 /// each other and with velocities at rest, and processors take a hundred times as long for the subnormal products.
 const NONE: f32 = 1e-12;
 
+/// A normal without components that are rounding.
+pub(super) fn without_rounding(normal: Vec3) -> Vec3 {
+    Vec3::select(normal.abs().cmplt(Vec3::splat(NONE)), Vec3::ZERO, normal)
+}
+
 /// A longer list is not sorted by insertion.
 const MAX_INSERTION: usize = 16;
 
@@ -62,9 +67,8 @@ pub(super) fn push(
     }
     sort_deepest_first(&mut points);
     let arm = |point: &Candidate| point.position - bodies[0].center;
-    let normal = Vec3::select(normal.abs().cmplt(Vec3::splat(NONE)), Vec3::ZERO, normal);
     manifold.patches.push(ManifoldPatch {
-        normal,
+        normal: without_rounding(normal),
         center: points.iter().map(arm).sum::<Vec3>() / points.len() as f32,
         first: manifold.points.len() as u32,
         count: points.len() as u32,

@@ -240,6 +240,9 @@ fn look(
         if a.moved || b.moved || rules.edited {
             since.refresh(manifold);
         }
+    } else if let Some(since) = cache.last_pose.turn([a, b], (reach, limit), manifold) {
+        pair.revision = rules.revision;
+        since.refresh(manifold);
     } else {
         pair.revision = rules.revision;
         let kept = (&mut *manifold, &mut *impulses, &mut *anchors, &mut *targets);

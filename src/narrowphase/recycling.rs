@@ -4,9 +4,12 @@
 //! stacks steadier: lever arms that are computed anew in every step pump energy into tall stacks. Box2D, Box3D and Rapier recycle contacts
 //! for the same reasons.
 //!
+//! Bodies on a turntable, in a drum or in a toppling tower turn together. Their manifold is turned with them, with the larger of the two.
+//!
 //! For bodies that are apart only their distance is kept. Until they have approached each other by that distance, they need not be checked.
 //! In a falling heap this applies to nine pairs of ten.
 
+use super::candidates::without_rounding;
 use crate::body::BodyState;
 use crate::pair::{CachedRelativePose, Manifold, NarrowphaseCache, ParryManifold};
 use crate::solver::Both;
@@ -72,6 +75,41 @@ impl CachedRelativePose {
         moved <= limit && reach + moved <= self.reach
     }
 
+    /// The detection as if it had been made in axes that have turned with the larger body since, and how far these have turned. Bodies that
+    /// turn together have hardly moved relative to each other since then.
+    fn turned(&self, a: &BodyState, b: &BodyState) -> (Self, Quat) {
+        let larger = usize::from(a.radius < b.radius);
+        let turn = self.turns([a, b])[larger].normalize();
+        let mut turned = *self;
+        turned.between = turn * self.between;
+        turned.rotations = self
+            .rotations
+            .map(|was| (turn * Quat::from_array(was)).normalize().to_array());
+        // Its own motion is exactly none.
+        turned.rotations[larger] = [a, b][larger].pose.rotation.to_array();
+        (turned, turn)
+    }
+
+    /// Turns a manifold with its bodies if they have moved by more than `limit` (m), but hardly relative to each other, so that it may be
+    /// recycled within `reach` (m). Returns their motion relative to each other then.
+    pub(crate) fn turn(
+        &mut self,
+        [a, b]: [&BodyState; 2],
+        (reach, limit): (f32, f32),
+        manifold: &mut Manifold,
+    ) -> Option<Since> {
+        if !self.is_known() {
+            return None;
+        }
+        let (turned, turn) = self.turned(a, b);
+        let since = turned.since(a, b);
+        turned.holds(since.way, limit, reach).then(|| {
+            *self = turned;
+            manifold.turn(turn);
+            since
+        })
+    }
+
     /// Returns true if the two are known to be farther apart than `reach`, m. This is so if their bounding spheres are, or if their
     /// distance at the last detection was greater than `reach` and the motion `since` then.
     pub(crate) fn is_apart(
@@ -81,7 +119,9 @@ impl CachedRelativePose {
         reach: f32,
         since: impl FnOnce() -> Since,
     ) -> bool {
-        a.spheres_are_apart(b, reach) || self.apart > reach && reach + since().way < self.apart
+        let near = |since: &Since| reach + since.way >= self.apart;
+        a.spheres_are_apart(b, reach)
+            || self.apart > reach && (!near(&since()) || !near(&self.turned(a, b).0.since(a, b)))
     }
 }
 
@@ -108,6 +148,21 @@ impl Turn {
     fn back(&self, vector: Vec3) -> Vec3 {
         let across = self.axis.cross(vector);
         2.0 * (self.axis.cross(across) - self.w * across)
+    }
+}
+
+impl Manifold {
+    /// Turns the manifold in the world.
+    fn turn(&mut self, by: Quat) {
+        self.between = by * self.between;
+        for patch in &mut self.patches {
+            patch.normal = without_rounding((by * patch.normal).normalize());
+            patch.center = by * patch.center;
+            patch.ahead = by * patch.ahead;
+        }
+        for point in &mut self.points {
+            point.arm = by * point.arm;
+        }
     }
 }
 

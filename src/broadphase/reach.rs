@@ -42,7 +42,11 @@ impl Reach {
 
     /// The distance within which surfaces may meet in this step, m.
     pub fn meeting(&self, a: &BodyState, b: &BodyState) -> f32 {
-        self.outer.max(0.0) + approach(a, b, self.dt) + self.fall * self.dt
+        let mut approach = approach(a, b, self.dt);
+        if a.swept_margin + b.swept_margin > self.outer {
+            approach = approach.min(approach_within(a, b, self.dt));
+        }
+        self.outer.max(0.0) + approach + self.fall * self.dt
     }
 
     /// The motion within which a manifold is kept, m.
@@ -59,5 +63,18 @@ impl Reach {
 
 /// Upper bound of how much nearer two surfaces can come within the step, m, from the velocities before forces.
 fn approach(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
-    (a.velocity.linear - b.velocity.linear).length() * dt + a.swept_margin + b.swept_margin
+    let apart = (a.velocity.linear - b.velocity.linear).length() * dt;
+    apart + a.swept_margin + b.swept_margin
+}
+
+/// The same, for bodies of which one turns: seen from the axes of the larger one, in which a body that turns with it is at rest.
+fn approach_within(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
+    let [large, small] = if a.radius < b.radius { [b, a] } else { [a, b] };
+    let between = small.center - large.center;
+    let slides = (large.velocity.at(between) - small.velocity.linear).length() * dt;
+    let turns = (large.velocity.angular - small.velocity.angular).length() * dt * small.radius;
+    // What goes straight describes an arc in axes that turn.
+    let angle = large.velocity.angular.length() * dt;
+    let bends = 0.5 * angle * angle * (between.length() + small.radius);
+    slides + turns + bends + large.margin_of_forces(dt) + small.margin_of_forces(dt)
 }

@@ -365,12 +365,21 @@ impl BodyState {
     /// Sets the velocity at the start of a step of `dt` s. `gains` is the maximum speed that forces add in the step, m/s.
     pub(in crate::body) fn set_velocity(&mut self, velocity: Velocity, gains: f32, dt: f32) {
         self.velocity = velocity;
-        let turns = match velocity.angular.length() {
+        self.swept_margin = self.turns(dt) + gains * dt;
+    }
+
+    /// Upper bound of the motion of a surface point by rotation in a step of `dt` s, m.
+    fn turns(&self, dt: f32) -> f32 {
+        match self.velocity.angular.length() {
             // The radius of a half-space is infinite, and 0 · ∞ is not a number.
             0.0 => 0.0,
             speed => (speed * dt).min(2.0) * self.radius,
-        };
-        self.swept_margin = turns + gains * dt;
+        }
+    }
+
+    /// The part of [`swept_margin`](Self::swept_margin) that is due to forces in a step of `dt` s, m.
+    pub(crate) fn margin_of_forces(&self, dt: f32) -> f32 {
+        (self.swept_margin - self.turns(dt)).max(0.0)
     }
 
     /// Returns true for a body that contacts move in this step.

@@ -87,13 +87,15 @@ pub fn separate<A: Solid, B: Solid>(
         return last.into();
     }
     let size = a.outer().min(b.outer());
-    let face = best_face(a, b, place, &back, reach, last, FACE_MARGIN * size);
+    let mut heights = [Heights::new(), Heights::new()];
+    let limits = (reach, FACE_MARGIN * size);
+    let face = best_face(a, b, place, &back, limits, last, &mut heights);
     if face.distance > reach {
         return face.into();
     }
     let edges = match (a.half(), b.half()) {
         (Some(half_a), Some(half_b)) => box_edges(half_a, half_b, place, face.distance),
-        _ => best_edges(a, b, place, face.distance),
+        _ => best_edges(a, b, place, face.distance, &heights),
     };
     let best = edges.unwrap_or(face);
     if best.distance > reach {
@@ -161,16 +163,26 @@ fn distance_from_face<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, face:
     normal.dot(place.origin) - b.reach(-place.back(normal)) - offset
 }
 
+/// The normal of each face of a solid, and the height of the other solid's centre above the face, m. More than this are allocated.
+type Heights = SmallVec<[(DVec3, f64); 64]>;
+
+fn measure<S: Solid>(solid: &S, at: DVec3, heights: &mut Heights) {
+    for face in 0..solid.faces() {
+        let (normal, offset) = solid.plane(face);
+        heights.push((normal, normal.dot(at) - offset));
+    }
+}
+
 /// Returns the face of either solid from which the other is farthest. If some face is farther than `reach`, returns any such face. Within
-/// `margin`, the face of the last step is preferred, and then those of A.
+/// `margin`, the face of the last step is preferred, and then those of A. Measures `heights`, which are empty, unless both are boxes.
 fn best_face<A: Solid, B: Solid>(
     a: &A,
     b: &B,
     place: &Placement,
     back: &Placement,
-    reach: f64,
+    (reach, margin): (f64, f64),
     last: Option<Separation>,
-    margin: f64,
+    [heights_a, heights_b]: &mut [Heights; 2],
 ) -> Separation {
     let is_face = |last: &Separation| !matches!(last.axis, Axis::Edges(..));
     let mut best = last.filter(is_face).unwrap_or(Separation {
@@ -182,7 +194,10 @@ fn best_face<A: Solid, B: Solid>(
     let floor = best.distance + margin;
     let of_a = match halves {
         Some((half_a, half_b)) => farther_side(half_a, half_b, place, floor),
-        None => farther_face(a, b, place, floor, reach),
+        None => {
+            measure(a, place.point(b.center()), heights_a);
+            farther_face(a, b, place, heights_a, floor, reach)
+        }
     };
     if let Some((face, distance)) = of_a {
         best = Separation {
@@ -197,7 +212,10 @@ fn best_face<A: Solid, B: Solid>(
     let floor = best.distance + margin;
     let of_b = match halves {
         Some((half_a, half_b)) => farther_side(half_b, half_a, back, floor),
-        None => farther_face(b, a, back, floor, reach),
+        None => {
+            measure(b, back.point(a.center()), heights_b);
+            farther_face(b, a, back, heights_b, floor, reach)
+        }
     };
     if let Some((face, distance)) = of_b {
         best = Separation {
@@ -215,15 +233,13 @@ fn farther_face<A: Solid, B: Solid>(
     a: &A,
     b: &B,
     place: &Placement,
+    heights: &[(DVec3, f64)],
     mut floor: f64,
     reach: f64,
 ) -> Option<(u16, f64)> {
-    let (center, inner) = (place.point(b.center()), b.inner());
+    let inner = b.inner();
     // Upper bound: the distance of a ball inside B.
-    let bound = |face: u16| {
-        let (normal, offset) = a.plane(face);
-        normal.dot(center) - offset - inner
-    };
+    let bound = |face: u16| heights[face as usize].1 - inner;
     let mut best = None;
     let mut improve = |face: u16, floor: &mut f64| {
         let distance = distance_from_face(a, b, place, face);
@@ -333,24 +349,22 @@ impl Arc {
 /// Edges that are candidates. More than this are allocated.
 type Arcs = SmallVec<[Arc; 32]>;
 
-/// Returns the two edges along whose cross product the solids are farthest apart, if that is farther than `floor`.
+/// Returns the two edges along whose cross product the solids are farthest apart, if that is farther than `floor`. `heights` are those of
+/// each one's centre above the faces of the other.
 fn best_edges<A: Solid, B: Solid>(
     a: &A,
     b: &B,
     place: &Placement,
     mut floor: f64,
+    [heights_a, heights_b]: &[Heights; 2],
 ) -> Option<Separation> {
     let behind = CORNER_TOLERANCE * a.outer().min(b.outer());
-    let (center_a, center_b) = (
-        place.back(a.center() - place.origin),
-        place.point(b.center()),
-    );
     let mut of_b = Arcs::new();
-    towards(b, center_a, floor + a.inner(), |arc| {
+    towards(b, heights_b, floor + a.inner(), |arc| {
         of_b.push(arc.reversed(place));
     });
     let mut best = None;
-    towards(a, center_b, floor + b.inner(), |arc| {
+    towards(a, heights_a, floor + b.inner(), |arc| {
         for other in &of_b {
             if let Some((normal, own)) = arc.crosses(other)
                 && own > floor
@@ -372,29 +386,23 @@ fn best_edges<A: Solid, B: Solid>(
 
 /// Visits the edges of a solid along whose arcs a point is, or may be, higher than `least`, m.
 ///
-/// On the plane of a face of an edge lies the edge. So the heights of the point above the faces, each of which has several edges, tell
-/// those above the edge along the two ends of its arc.
-fn towards<S: Solid>(solid: &S, at: DVec3, least: f64, mut visit: impl FnMut(Arc)) {
-    let mut faces = SmallVec::<[(DVec3, f64); 32]>::new();
-    for face in 0..solid.faces() {
-        let (normal, offset) = solid.plane(face);
-        faces.push((normal, normal.dot(at) - offset));
-    }
+/// An edge lies in the planes of its two faces. So the heights of the point above the faces, each of which has several edges, are those
+/// above the edge along the two ends of its arc.
+fn towards<S: Solid>(solid: &S, heights: &[(DVec3, f64)], least: f64, mut visit: impl FnMut(Arc)) {
+    let (below, square) = (least.min(0.0), least * least);
     for edge in 0..solid.edges() {
         let ridge = solid.edge(edge);
-        let [(one, x), (other, y)] = ridge.faces.both(|face| faces[face as usize]);
+        let [(one, x), (other, y)] = ridge.faces.both(|face| heights[face as usize]);
         // Where both faces look away from the point, so does all between them.
-        if x.max(y) <= least.min(0.0) {
+        if x <= below && y <= below {
             continue;
         }
         let cos = one.dot(other);
         let is_between = y > cos * x && x > cos * y && cos.abs() < 1.0;
         // Between the two it is √(x² + y² − 2xy cos) / sin.
         let is_high = match is_between {
-            true => {
-                least < 0.0 || x * x + y * y - 2.0 * cos * x * y > least * least * (1.0 - cos * cos)
-            }
-            false => x.max(y) > least,
+            true => least < 0.0 || x * x + y * y - 2.0 * cos * x * y > square * (1.0 - cos * cos),
+            false => x > least || y > least,
         };
         if is_high {
             let [from, to] = ridge.ends.both(|i| solid.point(i));

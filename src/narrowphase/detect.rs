@@ -102,10 +102,7 @@ pub(super) fn detect(
             contact.normal = -contact.normal;
             b
         }
-        _ => {
-            parry::detect(rules, a, b, reach, cache, manifold);
-            return apart;
-        }
+        _ => return parry::detect(rules, a, b, reach, cache, manifold),
     };
     if contact.points.is_empty() {
         return apart;

@@ -94,6 +94,27 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
         reach: f32,
         manifold: &mut ParryManifold,
     ) -> Result<(), Unsupported> {
+        self.touch(place, [a, b], (normals_a, normals_b), reach, manifold)?;
+        Ok(())
+    }
+}
+
+/// What keeps the normals of two parts, if they belong to surfaces.
+type Normals<'a> = (
+    Option<&'a dyn NormalConstraints>,
+    Option<&'a dyn NormalConstraints>,
+);
+
+impl Dispatcher<'_> {
+    /// Computes the contact of two convex parts. Returns a lower bound of their distance, m; −∞ if none is known.
+    pub fn touch(
+        &self,
+        place: &Pose,
+        [a, b]: [&dyn Shape; 2],
+        normals: Normals,
+        reach: f32,
+        manifold: &mut ParryManifold,
+    ) -> Result<f32, Unsupported> {
         let parts = |of: &ParryManifold| [of.subshape1, of.subshape2];
         let known = parts(manifold);
         if let Some(kept) = self.kept.iter().find(|kept| parts(kept) == known) {
@@ -101,15 +122,16 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
         }
         if let [Some(a), Some(b)] = [a.as_capsule(), b.as_capsule()] {
             capsules::touch(place, a, b, reach, manifold);
-            return Ok(());
+            return Ok(f32::NEG_INFINITY);
         }
         let [body_a, body_b] = self.bodies;
         let form_a = Form::of_part(body_a, a, manifold.subshape1);
         let form_b = Form::of_part(body_b, b, manifold.subshape2);
         let [Some(form_a), Some(form_b)] = ours(&form_a, &form_b) else {
-            return DefaultQueryDispatcher.contact_manifold_convex_convex(
-                place, a, b, normals_a, normals_b, reach, manifold,
-            );
+            let parry = DefaultQueryDispatcher;
+            return parry
+                .contact_manifold_convex_convex(place, a, b, normals.0, normals.1, reach, manifold)
+                .map(|()| f32::NEG_INFINITY);
         };
         let graze = match [a.shape_type(), b.shape_type()].contains(&ShapeType::Triangle) {
             // Triangles of a surface always have a neighbour at their edges, so the test for seams does not apply.
@@ -118,15 +140,17 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
         };
         let mut axis = manifold.data;
         let mut contact = Contact::default();
+        let mut apart = f32::NEG_INFINITY;
         let parts = Parts {
             place,
-            normals: (normals_a, normals_b),
+            normals,
             search: Search {
                 reach: reach as f64,
                 graze,
             },
             axis: &mut axis,
             contact: &mut contact,
+            apart: &mut apart,
         };
         if form_a.is_round() || form_b.is_round() {
             parts.with_round(form_a, form_b);
@@ -151,20 +175,19 @@ impl PersistentQueryDispatcher<Axis, ()> for Dispatcher<'_> {
                 point.distance as f32,
             )
         }));
-        Ok(())
+        Ok(apart)
     }
 }
 
 /// Two parts that may touch.
 struct Parts<'a> {
     place: &'a Pose,
-    normals: (
-        Option<&'a dyn NormalConstraints>,
-        Option<&'a dyn NormalConstraints>,
-    ),
+    normals: Normals<'a>,
     search: Search,
     axis: &'a mut Axis,
     contact: &'a mut Contact,
+    /// Lower bound of their distance, m. It is only set if they are out of reach.
+    apart: &'a mut f32,
 }
 
 impl Parts<'_> {
@@ -215,6 +238,7 @@ impl WithTwo for Parts<'_> {
         let found = separate(a, b, &place, self.search.reach, *self.axis);
         *self.axis = found.best.axis;
         if found.best.distance > self.search.reach {
+            *self.apart = found.best.distance as f32;
             return;
         }
         let Some(normal) = self.constrained(found.best.normal) else {

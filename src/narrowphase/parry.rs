@@ -16,7 +16,8 @@ use smallvec::SmallVec;
 /// Points of a patch are merged if they are nearer to each other than this share of the smaller face's size.
 const MERGE_DISTANCE: f32 = 0.05;
 
-/// Fills the manifold with the points whose distance is at most `reach`, m.
+/// Fills the manifold with the points whose distance is at most `reach`, m. Returns a lower bound of the distance of the two bodies, m; −∞
+/// if none is known.
 pub(super) fn detect(
     rules: &Rules,
     a: &BodyState,
@@ -24,14 +25,15 @@ pub(super) fn detect(
     reach: f32,
     cache: &mut NarrowphaseCache,
     manifold: &mut Manifold,
-) {
+) -> f32 {
+    let mut apart = f32::NEG_INFINITY;
     let ParryCache {
         manifolds,
         workspace,
         is_read,
     } = &mut **cache.parry.get_or_insert_default();
     let (Some(shape_a), Some(shape_b)) = (a.shape(), b.shape()) else {
-        return;
+        return apart;
     };
     let between = a.pose.to_parry().inv_mul(&b.pose.to_parry());
     let curved = a.is_curved() || b.is_curved();
@@ -59,7 +61,7 @@ pub(super) fn detect(
                 kept.points.clear();
             }
         }
-        composites::find(&dispatcher, &between, [shape_a, shape_b], reach, manifolds);
+        apart = composites::find(&dispatcher, &between, [shape_a, shape_b], reach, manifolds);
     } else if dispatcher
         .contact_manifolds(&between, shape_a, shape_b, reach, manifolds, workspace)
         .is_err()
@@ -100,6 +102,7 @@ pub(super) fn detect(
             patch.parts = parts;
         }
     }
+    apart
 }
 
 /// The faces in which the manifolds of parry lie, with the points whose distance is at most `reach`, m.

@@ -6,18 +6,48 @@ pub(super) mod flush;
 use super::dispatcher::Dispatcher;
 use super::polyhedra::Axis;
 use crate::pair::ParryManifold;
-use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use glam::Vec3;
+use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose;
 use parry3d::partitioning::BvhNode;
-use parry3d::query::PersistentQueryDispatcher;
 use parry3d::shape::{Compound, Shape, TypedShape};
 use smallvec::SmallVec;
+use std::cell::Cell;
 
 /// The boxes of so few parts are compared one by one, which is faster than to go down their tree.
 const MAX_LISTED_PARTS: usize = 12;
 
 /// Which parts of two bodies may touch.
 type PartPairs = SmallVec<[[u32; 2]; 32]>;
+
+/// The parts of two bodies that may touch, and a lower bound of the distance of all others, m.
+struct Near {
+    pairs: PartPairs,
+    apart: Cell<f32>,
+}
+
+impl Near {
+    fn new() -> Self {
+        Self {
+            pairs: PartPairs::new(),
+            apart: Cell::new(f32::INFINITY),
+        }
+    }
+}
+
+/// Returns true if a distance is at most `reach`, m. If not, it counts for the lower bound `apart`.
+fn is_within(reach: f32, distance: f32, apart: &Cell<f32>) -> bool {
+    let is_near = distance <= reach;
+    if !is_near {
+        apart.set(apart.get().min(distance));
+    }
+    is_near
+}
+
+/// A lower bound of the distance of two boxes, m.
+fn gap(mins: Vec3, maxs: Vec3, other: &Aabb) -> f32 {
+    (mins - other.maxs).max(other.mins - maxs).max_element()
+}
 
 /// Whether the contacts of two shapes are found here.
 pub(super) fn are_ours([a, b]: [&dyn Shape; 2]) -> bool {
@@ -30,21 +60,22 @@ pub(super) fn are_ours([a, b]: [&dyn Shape; 2]) -> bool {
 }
 
 /// Computes the manifolds of the parts of two shapes within `reach` (m), one of which is a compound. `place` is the pose of B in the frame
-/// of A. The order of the manifolds is that of the tree of parts, if there are many: a ring on 24 feet whose manifolds lie side by side as
-/// its feet do slowed by a tenth too little.
+/// of A. Returns a lower bound of their distance, m; −∞ if none is known. The order of the manifolds is that of the tree of parts, if there
+/// are many: a ring on 24 feet whose manifolds lie side by side as its feet do slowed by a tenth too little.
 pub(super) fn find(
     dispatcher: &Dispatcher,
     place: &Pose,
     [a, b]: [&dyn Shape; 2],
     reach: f32,
     manifolds: &mut Vec<ParryManifold>,
-) {
-    let pairs = match [a, b].map(|shape| shape.as_compound()) {
+) -> f32 {
+    let Near { pairs, apart } = match [a, b].map(|shape| shape.as_compound()) {
         [Some(of_a), Some(of_b)] => both(of_a, of_b, place, reach),
         [Some(parts), None] => one(parts, b, place, reach, |part| [part, 0]),
         [None, Some(parts)] => one(parts, a, &place.inverse(), reach, |part| [0, part]),
-        [None, None] => PartPairs::new(),
+        [None, None] => Near::new(),
     };
+    let mut apart = apart.get();
     keep_known(&pairs, manifolds);
     for manifold in manifolds {
         let [at_a, at_b] = [(a, manifold.subshape1), (b, manifold.subshape2)].map(part_of);
@@ -55,12 +86,13 @@ pub(super) fn find(
             (None, None) => *place,
         };
         // A kind of shapes without contacts has none here either.
-        let found = dispatcher
-            .contact_manifold_convex_convex(&place, at_a.1, at_b.1, None, None, reach, manifold);
-        if found.is_err() {
-            manifold.points.clear();
+        let found = dispatcher.touch(&place, [at_a.1, at_b.1], (None, None), reach, manifold);
+        match found {
+            Ok(distance) => apart = apart.min(distance),
+            Err(_) => manifold.points.clear(),
         }
     }
+    apart
 }
 
 /// The pose of a part in its body, if the body has several, and its shape.
@@ -98,55 +130,63 @@ fn one(
     place: &Pose,
     reach: f32,
     pair: impl Fn(u32) -> [u32; 2],
-) -> PartPairs {
-    let mut found = PartPairs::new();
+) -> Near {
+    let Near { mut pairs, apart } = Near::new();
     if let Some(half_space) = other.as_halfspace() {
         let up = place.rotation * half_space.normal;
-        let height = up.dot(place.translation) + reach;
-        let is_low = |node: &BvhNode| {
-            up.dot(node.center()) - up.abs().dot(0.5 * (node.maxs() - node.mins())) <= height
+        let height = up.dot(place.translation);
+        let above = |node: &BvhNode| {
+            up.dot(node.center()) - up.abs().dot(0.5 * (node.maxs() - node.mins())) - height
         };
-        found.extend(parts.bvh().leaves(is_low).map(pair));
+        let is_low = |node: &BvhNode| is_within(reach, above(node), &apart);
+        pairs.extend(parts.bvh().leaves(is_low).map(pair));
     } else {
-        let near = other.compute_aabb(place).loosened(reach);
-        each_near(parts, &near, |part| found.push(pair(part)));
+        let around = other.compute_aabb(place);
+        each_near(parts, &around, reach, &apart, |part| pairs.push(pair(part)));
     }
-    found
+    Near { pairs, apart }
 }
 
 /// The pairs of parts of two compounds within `reach` of each other.
-fn both(of_a: &Compound, of_b: &Compound, place: &Pose, reach: f32) -> PartPairs {
-    let mut found = PartPairs::new();
+fn both(of_a: &Compound, of_b: &Compound, place: &Pose, reach: f32) -> Near {
+    let Near { mut pairs, apart } = Near::new();
     let back = place.inverse();
-    let whole = of_b.local_aabb().transform_by(place).loosened(reach);
+    let whole = of_b.local_aabb().transform_by(place);
     let spheres = |parts: &Compound, number: u32| {
         let around = &parts.aabbs()[number as usize];
         (around.center(), around.half_extents().length())
     };
-    each_near(of_a, &whole, |i| {
+    each_near(of_a, &whole, reach, &apart, |i| {
         let (at, part) = &of_a.shapes()[i as usize];
-        let near = part.compute_aabb(&(back * *at)).loosened(reach);
+        let around = part.compute_aabb(&(back * *at));
         let (center, radius) = spheres(of_a, i);
         let center = back * center;
-        each_near(of_b, &near, |j| {
+        each_near(of_b, &around, reach, &apart, |j| {
             let (other, far) = spheres(of_b, j);
-            let far = far + radius + reach;
-            if center.distance_squared(other) <= far * far {
-                found.push([i, j]);
+            if is_within(reach, center.distance(other) - far - radius, &apart) {
+                pairs.push([i, j]);
             }
         });
     });
-    found
+    Near { pairs, apart }
 }
 
-/// Visits the parts of a compound whose boxes overlap a box.
-fn each_near(parts: &Compound, near: &Aabb, mut visit: impl FnMut(u32)) {
+/// Visits the parts of a compound whose boxes are within `reach` of a box. The others count for the lower bound `apart` of their distance.
+fn each_near(
+    parts: &Compound,
+    around: &Aabb,
+    reach: f32,
+    apart: &Cell<f32>,
+    mut visit: impl FnMut(u32),
+) {
     let boxes = parts.aabbs();
     if boxes.len() > MAX_LISTED_PARTS {
-        return parts.bvh().intersect_aabb(near).for_each(visit);
+        let is_near =
+            |node: &BvhNode| is_within(reach, gap(node.mins(), node.maxs(), around), apart);
+        return parts.bvh().leaves(is_near).for_each(visit);
     }
-    for (number, aabb) in boxes.iter().enumerate() {
-        if aabb.intersects(near) {
+    for (number, part) in boxes.iter().enumerate() {
+        if is_within(reach, gap(part.mins, part.maxs, around), apart) {
             visit(number as u32);
         }
     }
@@ -155,7 +195,7 @@ fn each_near(parts: &Compound, near: &Aabb, mut visit: impl FnMut(u32)) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Quat, Vec3};
+    use glam::Quat;
     use parry3d::query;
     use parry3d::shape::{HalfSpace, SharedShape};
 
@@ -194,7 +234,7 @@ mod tests {
                     Some(of_b) => both(&of_a, of_b, &place, REACH),
                     None => one(&of_a, other, &place, REACH, |part| [part, 0]),
                 };
-                considered += found.len();
+                considered += found.pairs.len();
                 let parts = other.as_compound().map_or(1, |parts| parts.shapes().len());
                 for (i, (at_a, part_a)) in of_a.shapes().iter().enumerate() {
                     for j in 0..parts as u32 {
@@ -203,8 +243,14 @@ mod tests {
                         let apart = query::distance(at_a, &**part_a, &at_b, part_b).unwrap();
                         let is_near = apart.distance <= REACH;
                         assert!(
-                            !is_near || found.contains(&[i as u32, j]),
+                            !is_near || found.pairs.contains(&[i as u32, j]),
                             "{round}: {i} {j}"
+                        );
+                        assert!(
+                            apart.distance >= found.apart.get() - 1e-5
+                                || found.pairs.contains(&[i as u32, j]),
+                            "{round}: {i} {j}, the bound is {}",
+                            found.apart.get()
                         );
                         near += usize::from(is_near);
                         tested += 1;

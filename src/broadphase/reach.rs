@@ -78,3 +78,67 @@ fn approach_within(a: &BodyState, b: &BodyState, dt: f32) -> f32 {
     let bends = 0.5 * angle * angle * (between.length() + small.radius);
     slides + turns + bends + large.margin_of_forces(dt) + small.margin_of_forces(dt)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::{Pose, Velocity};
+    use bevy_ecs::entity::Entity;
+    use glam::{Quat, Vec3};
+
+    const DT: f32 = 1.0 / 60.0;
+
+    fn body(center: Vec3, radius: f32, linear: Vec3, angular: Vec3) -> BodyState {
+        let pose = Pose {
+            position: center,
+            rotation: Quat::IDENTITY,
+        };
+        let mut body = BodyState::new(Entity::PLACEHOLDER, pose, Velocity::default());
+        body.radius = radius;
+        body.set_velocity(Velocity { linear, angular }, 0.0, DT);
+        body
+    }
+
+    #[test]
+    fn what_turns_with_a_drum_hardly_approaches_it() {
+        let drum = body(Vec3::ZERO, 8.0, Vec3::ZERO, 0.5 * Vec3::Z);
+        let at = 6.0 * Vec3::NEG_Y;
+        let cube = |spin: f32| body(at, 0.35, drum.velocity.at(at), spin * Vec3::Z);
+        let reach = Reach {
+            outer: 0.02,
+            fall: 0.0,
+            dt: DT,
+            recycle_share: 0.0,
+        };
+        let [with_it, still] = [0.5, 0.0].map(|spin| reach.meeting(&drum, &cube(spin)) - 0.02);
+        assert!(with_it < 1e-3, "{with_it}");
+        assert!((2.9e-3..4e-3).contains(&still), "{still}");
+    }
+
+    /// The distance of a point of each body falls by no more than the bound.
+    #[test]
+    fn nothing_comes_nearer_than_the_bound_within_the_axes_of_a_body() {
+        let mut random = fastrand::Rng::with_seed(3);
+        let mut vector = |most: f32| {
+            let part = |_| most * (2.0 * random.f32() - 1.0);
+            Vec3::from_array(std::array::from_fn(part))
+        };
+        let moved = |body: &BodyState, point: Vec3| {
+            let turn = Quat::from_scaled_axis(DT * body.velocity.angular);
+            body.center + DT * body.velocity.linear + turn * (point - body.center)
+        };
+        let mut most: f32 = 0.0;
+        for i in 0..20_000 {
+            let spin = [1.0, 10.0, 40.0][i % 3];
+            let a = body(vector(1.0), 2.0, vector(5.0), vector(spin));
+            let b = body(vector(3.0), 0.5, vector(5.0), vector(spin));
+            let on_b = b.center + 0.5 * vector(1.0).normalize_or(Vec3::X);
+            let on_a = on_b + vector(0.1);
+            let nearer = on_a.distance(on_b) - moved(&a, on_a).distance(moved(&b, on_b));
+            let bound = approach_within(&a, &b, DT);
+            assert!(nearer <= bound, "{i}: {nearer} m, bound {bound} m");
+            most = most.max(nearer / bound);
+        }
+        assert!(most > 0.5, "{most}");
+    }
+}

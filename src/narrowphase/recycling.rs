@@ -210,3 +210,117 @@ impl Since {
         touches.then_some(old)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::{Pose, Velocity};
+    use crate::pair::{ContactPoint, FeatureId, ManifoldPatch, PatchParts};
+    use bevy_ecs::entity::Entity;
+
+    const LIMIT: f32 = 0.01;
+    const REACH: f32 = 0.1;
+
+    /// A large body in the origin, and a smaller one above it.
+    fn two() -> [BodyState; 2] {
+        [(Vec3::ZERO, 3.0), (2.0 * Vec3::Y, 0.5)].both(|(position, radius)| {
+            let rotation = Quat::from_rotation_y(radius);
+            let pose = Pose { position, rotation };
+            let mut body = BodyState::new(Entity::PLACEHOLDER, pose, Velocity::default());
+            body.radius = radius;
+            body
+        })
+    }
+
+    fn touching([a, b]: [&BodyState; 2]) -> (CachedRelativePose, Manifold) {
+        let point = ContactPoint {
+            arm: Vec3::new(0.3, 1.6, 0.2),
+            distance: -0.02,
+            detected: -0.02,
+            feature: FeatureId::NONE,
+        };
+        let patch = ManifoldPatch {
+            normal: Vec3::NEG_Y,
+            center: point.arm,
+            first: 0,
+            count: 1,
+            curved: false,
+            parts: PatchParts::default(),
+            ahead: Vec3::ZERO,
+        };
+        let mut last = CachedRelativePose::default();
+        last.take(a, b);
+        last.reach = REACH + 2.0 * LIMIT;
+        let manifold = Manifold {
+            patches: smallvec::smallvec![patch],
+            points: smallvec::smallvec![point],
+            between: a.center - b.center,
+        };
+        (last, manifold)
+    }
+
+    /// Turns a body about a point of the world, and moves it.
+    fn carry(body: &mut BodyState, about: Vec3, by: Quat, way: Vec3) {
+        body.center = about + by * (body.center - about) + way;
+        body.pose.position = body.center;
+        body.pose.rotation = by * body.pose.rotation;
+    }
+
+    #[test]
+    fn a_manifold_turns_with_bodies_that_turn_together() {
+        let [mut a, mut b] = two();
+        let (mut last, mut manifold) = touching([&a, &b]);
+        let about = Vec3::new(0.5, -1.0, 0.3);
+        let mut turned = Quat::IDENTITY;
+        for step in 1..=20 {
+            let by = Quat::from_scaled_axis(Vec3::new(0.1, 0.05, 0.2));
+            turned = by * turned;
+            carry(&mut a, about, by, Vec3::ZERO);
+            // Seen from A, B rises by 8 mm in all.
+            carry(&mut b, about, by, turned * (4e-4 * Vec3::Y));
+            let way = last.since(&a, &b).way();
+            assert!(!last.holds(way, LIMIT, REACH), "they have moved by {way} m");
+            let since = last.turn([&a, &b], (REACH, LIMIT), &mut manifold);
+            since
+                .expect("they hardly move relative to each other")
+                .refresh(&mut manifold);
+            let (patch, point) = (&manifold.patches[0], &manifold.points[0]);
+            let off = (patch.normal - turned * Vec3::NEG_Y).length();
+            let [arm_a, arm_b] = manifold.arms(0).both(|arm| turned.inverse() * arm);
+            assert!(off < 1e-5 && patch.normal.is_normalized());
+            assert!(
+                (arm_a - Vec3::new(0.3, 1.6, 0.2)).length() < 1e-5,
+                "{arm_a}"
+            );
+            assert!(
+                (arm_b - Vec3::new(0.3, -0.4, 0.2)).length() < 1e-5,
+                "{arm_b}"
+            );
+            let expected = -0.02 + 4e-4 * step as f32;
+            assert!(
+                (point.distance - expected).abs() < 1e-5,
+                "{}",
+                point.distance
+            );
+        }
+        carry(&mut b, Vec3::ZERO, Quat::IDENTITY, 3e-3 * Vec3::X);
+        let since = last.turn([&a, &b], (REACH, LIMIT), &mut manifold);
+        assert!(since.is_none(), "they slide on each other");
+    }
+
+    #[test]
+    fn bodies_that_turn_together_stay_apart() {
+        let [mut a, mut b] = two();
+        let (mut last, _) = touching([&a, &b]);
+        last.apart = 0.2;
+        let by = Quat::from_rotation_z(1.0);
+        carry(&mut a, Vec3::ZERO, by, Vec3::ZERO);
+        carry(&mut b, Vec3::ZERO, by, 0.05 * Vec3::X);
+        let is_apart = |last: &CachedRelativePose, b: &BodyState| {
+            last.is_apart(&a, b, REACH, || last.since(&a, b))
+        };
+        assert!(is_apart(&last, &b));
+        carry(&mut b, Vec3::ZERO, Quat::IDENTITY, 0.06 * Vec3::X);
+        assert!(!is_apart(&last, &b));
+    }
+}

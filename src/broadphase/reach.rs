@@ -95,7 +95,8 @@ mod tests {
         };
         let mut body = BodyState::new(Entity::PLACEHOLDER, pose, Velocity::default());
         body.radius = radius;
-        body.set_velocity(Velocity { linear, angular }, 0.0, DT);
+        body.velocity = Velocity { linear, angular };
+        body.swept_margin = (angular.length() * DT).min(2.0) * radius;
         body
     }
 

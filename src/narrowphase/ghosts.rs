@@ -373,7 +373,7 @@ impl Site {
         };
         let at = pose.inverse_transform_point(self.at);
         let is_here = match piece.shape().as_typed_shape() {
-            // In front of its edges the planes are nearer than the hull, by less than the tolerance matters.
+            // In front of an edge its planes are nearer than the hull is. Within the tolerance that makes no difference.
             TypedShape::ConvexPolyhedron(hull) => {
                 planes(hull).all(|(normal, on)| normal.dot(at - on) <= self.flush)
             }

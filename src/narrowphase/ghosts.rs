@@ -137,13 +137,9 @@ impl Surroundings<'_> {
         // Hundreds may be in a drum, and few beside one of them. A body that moves has an edge with each that it may touch.
         if side.obstacle.is_dynamic() && self.graph.edges_of(side.slot).len() < edges / FEWER_EDGES
         {
-            let near = ends(side.slot).filter_map(|slot| Some((slot, is_near(slot)?)));
             let meets = |slot: u32| ends(slot).any(|other| other == side.other_slot);
-            return Some(
-                near.filter(|near| meets(near.0))
-                    .map(|near| near.1)
-                    .collect(),
-            );
+            let near = ends(side.slot).filter_map(|slot| is_near(slot).filter(|_| meets(slot)));
+            return Some(near.collect());
         }
         Some(ends(side.other_slot).filter_map(is_near).collect())
     }

@@ -84,8 +84,8 @@ impl CachedRelativePose {
         turned.between = turn * self.between;
         turned.rotations = self
             .rotations
-            .map(|was| (turn * Quat::from_array(was)).normalize().to_array());
-        // Its own motion is exactly none.
+            .both(|was| (turn * Quat::from_array(was)).normalize().to_array());
+        // Rounding would leave a rotation of the larger body, whose radius may be infinite.
         turned.rotations[larger] = [a, b][larger].pose.rotation.to_array();
         (turned, turn)
     }

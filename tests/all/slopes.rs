@@ -7,8 +7,8 @@ use drystone_lab::slopes::{Hills, Slopes};
 const PLACES: u64 = 6;
 const ASLEEP: usize = 4;
 
-/// Piles of three hundred bodies on the hills, all asleep within twelve seconds. How they come to lie is chance: of 60 piles on the height
-/// field, one body or two still rock in four to nine.
+/// Piles of three hundred bodies on the hills, all asleep within twelve seconds. How they come to lie is chance: in four
+/// to nine of 60 piles on the height field some body still rocks.
 #[track_caller]
 fn sleep_on(hills: Hills) {
     let awake = (1..=PLACES).map(|seed| {

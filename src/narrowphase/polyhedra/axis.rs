@@ -166,6 +166,7 @@ fn distance_from_face<A: Solid, B: Solid>(a: &A, b: &B, place: &Placement, face:
 /// The normal of each face of a solid, and the height of the other solid's centre above the face, m. More than this are allocated.
 type Heights = SmallVec<[(DVec3, f64); 64]>;
 
+/// Measures the heights of a point above all faces of a solid.
 fn measure<S: Solid>(solid: &S, at: DVec3, heights: &mut Heights) {
     for face in 0..solid.faces() {
         let (normal, offset) = solid.plane(face);
@@ -303,12 +304,16 @@ struct Arc {
 impl Arc {
     fn of<S: Solid>(solid: &S, edge: u16) -> Self {
         let ridge = solid.edge(edge);
-        let [from, to] = ridge.ends.both(|i| solid.point(i));
+        let ends = ridge.ends.both(|i| solid.point(i));
+        Self::new(edge, ends, ridge.faces.both(|face| solid.plane(face).0))
+    }
+
+    fn new(edge: u16, [from, to]: [DVec3; 2], normals: [DVec3; 2]) -> Self {
         Self {
             edge,
             on: from,
             along: to - from,
-            normals: ridge.faces.both(|face| solid.plane(face).0),
+            normals,
         }
     }
 
@@ -405,13 +410,8 @@ fn towards<S: Solid>(solid: &S, heights: &[(DVec3, f64)], least: f64, mut visit:
             false => x > least || y > least,
         };
         if is_high {
-            let [from, to] = ridge.ends.both(|i| solid.point(i));
-            visit(Arc {
-                edge,
-                on: from,
-                along: to - from,
-                normals: [one, other],
-            });
+            let ends = ridge.ends.both(|i| solid.point(i));
+            visit(Arc::new(edge, ends, [one, other]));
         }
     }
 }

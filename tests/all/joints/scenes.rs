@@ -13,7 +13,7 @@ fn build(lab: &mut Lab, name: &str) -> Vec<Entity> {
     scene.build(&mut lab.world, &SceneOptions::default()).bodies
 }
 
-/// How a ragdoll comes to lie is chance: of 300 that fall from slightly different heights, 35 are awake after 5 s.
+/// Ragdolls fall from slightly different heights, and how each comes to lie is chance: of 300, 35 are awake after 5 s.
 #[test]
 fn most_ragdolls_fall_on_bricks_and_asleep() {
     let times = (0..12).map(|place| {

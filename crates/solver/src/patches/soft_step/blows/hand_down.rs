@@ -11,6 +11,7 @@
 use super::hot::{Hot, Place};
 use super::{BLOW_SPEED, SETTLED_CHANGE};
 use crate::Both;
+use crate::contact_row::add_to;
 use crate::groups::Groups;
 use crate::lanes::{F32xN, State};
 use crate::patches::soft_step::island::Island;
@@ -89,9 +90,7 @@ impl Support {
         let before = self.impulse;
         self.impulse = (before + impulse).max(0.0);
         let given = self.impulse - before;
-        for (velocity, answer) in velocity.iter_mut().zip(self.answer) {
-            *velocity += given * answer;
-        }
+        add_to(velocity, self.answer.both(|answer| given * answer));
         given
     }
 }

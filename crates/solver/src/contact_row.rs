@@ -52,8 +52,13 @@ impl ContactRow {
 
 /// The velocity of A relative to B at a point, along a direction, m/s. `arms` lead from their centres of mass to the point, m.
 pub fn rate(direction: Vec3, arms: [Vec3; 2], velocities: [[Vec3; 2]; 2]) -> f32 {
+    direction.dot(relative(arms, velocities))
+}
+
+/// The velocity of A relative to B at a point, m/s. `arms` lead from their centres of mass to the point, m.
+pub fn relative(arms: [Vec3; 2], velocities: [[Vec3; 2]; 2]) -> Vec3 {
     let [a, b] = [0, 1].both(|side| at(velocities[side], arms[side]));
-    direction.dot(a - b)
+    a - b
 }
 
 /// The velocity of a body at a point, m/s.

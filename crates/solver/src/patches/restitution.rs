@@ -2,11 +2,14 @@
 //!
 //! A point that arrives at u leaves at −e u, and the other points of its group yield no further in the meantime. Then a bounce takes the
 //! share 1 − e² of the energy that the contacts have taken out of the approach, however many bodies have a part in it, and none at e = 1:
-//! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Friction and arms that turn do not satisfy this, so a bounce that would
-//! gain energy is weakened.
+//! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Arms that turn do not satisfy this, so a bounce that would gain energy is
+//! weakened.
+//!
+//! Friction acts in the bounce by Coulomb's law, within the cone of the impulses of the bounce. With Newton's law for the normal velocity,
+//! as here, a point that begins to slide in the blow slides on as under Poisson's law.
 
 use crate::Both;
-use crate::contact_row::{ContactRow, rate};
+use crate::contact_row::{ContactRow, rate, relative};
 use crate::groups::Groups;
 use crate::sort;
 use crate::{Body, PatchPoint, PatchProblem};
@@ -87,14 +90,47 @@ struct Taking {
     leave: f32,
     /// Lower bound of its impulse, N·s. A point that does not bounce may lose the impulse that it carries.
     least: f32,
+    /// Coefficient of friction; 0 for a point that does not bounce.
+    friction: f32,
+    /// Its friction impulse on A, N·s.
+    rubbed: Vec3,
+    /// The velocity that friction demands of A against B along the surface, m/s.
+    along: Vec3,
+    /// Upper bound of the response to friction, 1/kg.
+    yields: f32,
 }
 
 impl Taking {
     fn speed(&self, bodies: &[Body]) -> f32 {
+        self.row.direction.dot(self.velocity(bodies))
+    }
+
+    /// The velocity of A relative to B at the point, m/s.
+    fn velocity(&self, bodies: &[Body]) -> Vec3 {
         let velocities = self
             .bodies
             .both(|body| [bodies[body].linear, bodies[body].angular]);
-        self.row.rate(velocities)
+        relative(self.row.arms, velocities)
+    }
+
+    /// Its impulse on A, N·s.
+    fn impulse(&self) -> Vec3 {
+        self.row.impulse * self.row.direction + self.rubbed
+    }
+
+    /// Lets friction stop the point from sliding, within the cone of its impulse. Returns the change of its velocity, m/s.
+    fn rub(&mut self, bodies: &mut [Body]) -> f32 {
+        if self.friction == 0.0 || self.yields <= 0.0 {
+            return 0.0;
+        }
+        let slides =
+            (self.velocity(bodies) - self.along).reject_from_normalized(self.row.direction);
+        let wanted = self.rubbed - slides / self.yields;
+        let rubbed = wanted.clamp_length_max(self.friction * self.row.impulse);
+        let change = rubbed - std::mem::replace(&mut self.rubbed, rubbed);
+        bodies[self.bodies[0]].apply(change, self.row.arms[0]);
+        bodies[self.bodies[1]].apply(-change, self.row.arms[1]);
+        change.length() * self.yields
     }
 
     /// Adds to its impulse. Returns the amount that was added, N·s.
@@ -138,6 +174,7 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
     for taking in rows {
         let point = &mut problem.points[taking.point];
         point.normal += taking.row.impulse;
+        problem.patches[taking.patch].tangential += taking.rubbed;
         if taking.leave > 0.0 {
             // The point has left the surface and carries nothing.
             point.normal_impulse = 0.0;
@@ -183,7 +220,8 @@ fn throw(group: &mut [Taking], points: &[PatchPoint], bodies: &mut [Body], pushe
         for taking in group.iter_mut() {
             let missing = taking.leave - taking.speed(bodies);
             let given = taking.give(missing / taking.row.response, bodies);
-            change = change.max(given.abs() * taking.row.response);
+            let rubbed = taking.rub(bodies);
+            change = change.max(given.abs() * taking.row.response).max(rubbed);
         }
         if change < SETTLED_SHARE * fastest {
             break;
@@ -198,6 +236,7 @@ fn throw(group: &mut [Taking], points: &[PatchPoint], bodies: &mut [Body], pushe
         }
         for taking in group {
             taking.row.impulse *= share;
+            taking.rubbed *= share;
         }
     }
 }
@@ -205,6 +244,11 @@ fn throw(group: &mut [Taking], points: &[PatchPoint], bodies: &mut [Body], pushe
 fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<Taking> {
     let mut rows = Vec::new();
     let mut next = bouncing.iter().peekable();
+    let surface = |patch: usize| {
+        let surfaces = problem.surfaces;
+        let found = surfaces.binary_search_by_key(&(patch as u32), |(patch, _)| *patch);
+        found.map_or(Vec3::ZERO, |i| surfaces[i].1)
+    };
     for (number, patch) in problem.patches.iter().enumerate() {
         for index in patch.range() {
             let bounces = next.next_if(|bouncing| bouncing.point == index);
@@ -235,6 +279,18 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<T
                 least: match bounces {
                     Some(_) => 0.0,
                     None => -point.normal_impulse / substeps as f32,
+                },
+                friction: bounces.map_or(0.0, |_| patch.friction),
+                rubbed: Vec3::ZERO,
+                along: surface(number),
+                yields: {
+                    let (t1, t2) = patch.normal.any_orthonormal_pair();
+                    let response = |t: Vec3| {
+                        let of = |i: usize| problem.bodies[bodies[i]].response(t, arms[i]);
+                        of(0) + of(1)
+                    };
+                    // The larger of the two principal ones is at most their sum.
+                    (response(t1) + response(t2)).max(0.0)
                 },
             });
         }
@@ -289,9 +345,9 @@ fn affordable(
             let end = ends.binary_search(&body).expect("all ends were collected");
             before[end]
         });
-        let was = taking.row.rate(was);
-        d += (taking.row.impulse * was) as f64;
-        q += (0.5 * taking.row.impulse * (taking.speed(bodies) - was)) as f64;
+        let was = relative(taking.row.arms, was);
+        d += taking.impulse().dot(was) as f64;
+        q += 0.5 * taking.impulse().dot(taking.velocity(bodies) - was) as f64;
     }
     let spare: f64 = ends
         .iter()

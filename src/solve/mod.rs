@@ -22,7 +22,7 @@ mod store;
 
 pub(crate) use patches::settle;
 
-use crate::body::{ActiveBodies, BodyTable, Velocity, limits};
+use crate::body::{ActiveBodies, BodyState, BodyTable, Velocity, limits};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
 use crate::mortar::BrokenMortar;
@@ -104,7 +104,7 @@ impl Solve<'_> {
         acting: &mut Acting,
     ) {
         let start = Instant::now();
-        self.take_velocities(problems, bodies);
+        self.take_velocities(matches!(method, Method::Patches(_)), problems, bodies);
         self.solve_each(method, &mut problems.islands);
         let solved = Instant::now();
         self.store(problems, pairs, bodies, acting);
@@ -114,7 +114,12 @@ impl Solve<'_> {
     }
 
     /// Takes the current velocities of the bodies from their components.
-    fn take_velocities(&self, problems: &mut ProblemSet, bodies: &ActiveBodies) {
+    fn take_velocities(
+        &self,
+        has_substeps: bool,
+        problems: &mut ProblemSet,
+        bodies: &ActiveBodies,
+    ) {
         let ProblemSet {
             order,
             islands,
@@ -149,11 +154,18 @@ impl Solve<'_> {
         }
         // Few bodies are in no problem, so they are searched; a list by slot would be as long as the world is large.
         sort::by_key(outside, |(slot, _)| *slot);
+        // Only solvers of patches take substeps.
+        let gain = |slot: u32| {
+            let body = self.table.get(slot).filter(|_| has_substeps);
+            body.map(BodyState::gain).unwrap_or_default()
+        };
         for (slot, copy) in islands.iter_mut().flat_map(Island::copies) {
             if let Ok(at) = outside.binary_search_by_key(&slot, |(slot, _)| *slot) {
                 let Velocity { linear, angular } = outside[at].1;
-                (copy.linear, copy.angular) = (linear, angular);
-                copy.start = [linear, angular];
+                let gain = gain(slot);
+                let half = [0.5 * gain.linear, 0.5 * gain.angular];
+                (copy.linear, copy.angular) = (linear + half[0], angular + half[1]);
+                copy.start = [linear - half[0], angular - half[1]];
             }
         }
     }

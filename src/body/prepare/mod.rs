@@ -364,6 +364,9 @@ impl Visitor<'_, '_, '_> {
         }
         let solved_anew =
             solved_as.is_some_and(|as_before| body.properties.solved_as() != as_before);
+        if *kind == RigidBody::Kinematic {
+            body.note_gain(&velocity, time.dt);
+        }
         // This comes after `describe`, because the radius may be new.
         body.set_velocity(*velocity, gains(body, pushed, self.rules), time.dt);
         body.disturbed = self.rules.active_settings.changed
@@ -500,6 +503,7 @@ impl BodyState {
             disturbed: false,
             put_from: None,
             target: None,
+            gained: None,
             pushes: None,
             parts: None,
             visited: 0,

@@ -130,6 +130,22 @@ pub(in crate::body) struct Pushes {
     damping: Damping,
 }
 
+/// How the velocity of a kinematic body has changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::body) struct Gained {
+    /// The change from the last step to this one.
+    by: Velocity,
+    /// Whether its linear and its angular part go on from step to step.
+    goes_on: [bool; 2],
+}
+
+/// Share of a change of velocity by which the one before it may differ, if the body accelerates steadily.
+const STEADY_GAIN_SHARE: f32 = 0.5;
+
+/// Difference of two successive accelerations that is no jump, m/s², rad/s².
+const STEADY_ACCELERATION: f32 = 2.5;
+
 /// One body as it was at the start of the step: the pose at which contacts are detected, and the velocity before forces.
 ///
 /// The fields that stages read of both bodies of every pair come first.
@@ -186,6 +202,8 @@ pub struct BodyState {
     pub half: Vec3,
     /// Pose of a kinematic body at the end of the step, if the user set it through `Transform`.
     pub(crate) target: Option<Box<Pose>>,
+    /// How its velocity has changed, if it is kinematic and it has.
+    pub(in crate::body) gained: Option<Box<Gained>>,
     /// The external force and the damping of the last step, unless both were zero.
     pub(in crate::body) pushes: Option<Box<Pushes>>,
     /// Its solid parts and its sensors, if it has some on other entities, or is a sensor itself.
@@ -221,6 +239,7 @@ clone_fields!(BodyState {
     gravity_scale,
     half,
     target,
+    gained,
     pushes,
     parts,
     visited,
@@ -249,6 +268,44 @@ impl BodyState {
             COORDINATE_ROUNDING * sizes * self.radius / dt,
             COORDINATE_ROUNDING * sizes / dt,
         ]
+    }
+
+    /// Notes how the velocity of a kinematic body changes, before it is set.
+    pub(in crate::body) fn note_gain(&mut self, velocity: &Velocity, dt: f32) {
+        let by = Velocity {
+            linear: velocity.linear - self.velocity.linear,
+            angular: velocity.angular - self.velocity.angular,
+        };
+        if by == Velocity::default() {
+            self.gained = None;
+            return;
+        }
+        let last = self.gained.as_deref().copied().unwrap_or_default().by;
+        let goes_on = |now: Vec3, last: Vec3| {
+            (now - last).length()
+                <= (STEADY_GAIN_SHARE * now.length()).max(STEADY_ACCELERATION * dt)
+        };
+        let goes_on = [
+            goes_on(by.linear, last.linear),
+            goes_on(by.angular, last.angular),
+        ];
+        self.gained = Some(Box::new(Gained { by, goes_on }));
+    }
+
+    /// The velocity that a kinematic body gains from the beginning of a step to its end, if it accelerates steadily. Its velocity is the
+    /// mean of the step. If the velocity jumped between steps instead, friction would have to give a body on it all of the jump at once,
+    /// and it would slip a little in every step of a floor that is shaken.
+    pub(crate) fn gain(&self) -> Velocity {
+        let gained = self.gained.as_deref().copied().unwrap_or_default();
+        let [linear, angular] = gained.goes_on;
+        Velocity {
+            linear: if linear { gained.by.linear } else { Vec3::ZERO },
+            angular: if angular {
+                gained.by.angular
+            } else {
+                Vec3::ZERO
+            },
+        }
     }
 
     fn pushes(&self) -> Pushes {

@@ -15,9 +15,11 @@ mod jointed;
 mod statics;
 pub mod upright;
 
+use crate::Both;
+use crate::contact_row::rate;
 use crate::lanes::F32xN;
 use crate::patches::soft_step::sweeps::load_statistics::BodyLoad;
-use crate::{Body, PatchProblem};
+use crate::{Body, PatchPoint, PatchProblem};
 use glam::Vec3;
 use grow::Grown;
 use hand_down::Limits;
@@ -76,19 +78,25 @@ impl New {
             return None;
         }
         let stands = hand_down::standing(problem, closed, jointed);
+        // Bodies that were spawned while they slide. In a heap that falls, some always carry.
+        let slides = match pairs().any(|(_, body_loads)| body_loads.carries) {
+            true => Vec::new(),
+            false => sliding(problem, closed),
+        };
         let bodies = problem.bodies.iter().zip(body_loads).zip(stands);
-        let bodies: Vec<[bool; 2]> = bodies
+        let bodies: Vec<[bool; 3]> = bodies
             .enumerate()
             .map(|(number, ((body, body_loads), stands))| {
-                let still =
-                    moves(&body) && stands && slower(body, MAX_PLACED_SPEED) && !is_jointed(number);
+                let stands = moves(&body) && stands && !is_jointed(number);
+                let still = stands && slower(body, MAX_PLACED_SPEED);
                 [
                     still && !body_loads.carries,
+                    stands && slides.get(number) == Some(&true),
                     slower(body, MAX_REST_SPEED) && still && unloaded(&(body, body_loads)),
                 ]
             })
             .collect();
-        let new = bodies.iter().filter(|[new, _]| *new).count();
+        let new = bodies.iter().filter(|[new, ..]| *new).count();
         let moved = problem.bodies.iter().filter(moves);
         // Statics knows no joints.
         let all = 2 * new > moved.count()
@@ -96,10 +104,31 @@ impl New {
             && problem.bodies.iter().all(|body| slower(body, fall));
         let bodies: Vec<bool> = bodies
             .into_iter()
-            .map(|[new, unloaded]| new || unloaded)
+            .map(|states| states.contains(&true))
             .collect();
         bodies.contains(&true).then_some(Self { bodies, all })
     }
+}
+
+/// By body: it slides on what it touches, and neither comes to it nor leaves it.
+fn sliding(problem: &PatchProblem, closed: f32) -> Vec<bool> {
+    let mut slides = vec![true; problem.bodies.len()];
+    for patch in problem.patches.iter() {
+        let starts = patch
+            .bodies
+            .both(|body| problem.bodies[body as usize].start);
+        let parts = |point: &PatchPoint| {
+            let arms = patch.arms.both(|arm| arm + point.offset);
+            let speed = rate(patch.normal, arms, starts).abs();
+            point.separation <= closed && speed > MAX_PLACED_SPEED
+        };
+        if problem.points[patch.range()].iter().any(parts) {
+            for body in patch.bodies {
+                slides[body as usize] = false;
+            }
+        }
+    }
+    slides
 }
 
 /// By body: a joint holds it; empty if there are no joints. Such bodies are never new: a direct solve finds the loads of their contacts.

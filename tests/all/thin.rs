@@ -84,8 +84,9 @@ fn come_to_rest(size: Vec3, seconds: f32, arrangements: &[(&str, Arrangement)]) 
                 let energy = metrics::energy(&mut lab.world);
                 let most = recent.iter().copied().fold(0.0, f64::max);
                 gain = gain.max((energy - most) / start);
+                // Bodies that fall keep their energy but for rounding.
                 assert!(
-                    energy <= start * (1.0 + 1e-6),
+                    energy <= start * (1.0 + 3e-6),
                     "{name} on {ground}: {start} to {energy} J"
                 );
                 recent.push_back(energy);

@@ -37,7 +37,11 @@ impl SoftStep {
         let gaps = Gaps::of(problem);
         let (mode, mut tops) = mode(problem, &gaps, budget);
         let may_be_quiet = mode != Mode::Blows && may_be_quiet(problem, begun.bounces());
-        let passes = self.plan(budget, problem.dt, &mut scratch.passes);
+        let passes = self.plan(
+            budget,
+            (problem.dt, smooth_gravity(problem)),
+            &mut scratch.passes,
+        );
         let rounds = passes.split_at(match may_be_quiet {
             true => first_round(passes, problem.effort),
             false => passes.len(),
@@ -97,6 +101,14 @@ impl SoftStep {
         }
         let budget = SweepBudget::new(self, problem, (&statistics, &*body_loads), courses);
         Begun { budget, bounces }
+    }
+}
+
+/// The acceleration of free fall, m/s²; 0 if there are joints, which follow the drift of bodies themselves.
+pub(super) fn smooth_gravity(problem: &PatchProblem) -> f32 {
+    match problem.joints.is_empty() {
+        true => problem.gravity.length(),
+        false => 0.0,
     }
 }
 

@@ -261,8 +261,9 @@ impl<L: F32xN> Island<L> {
     fn drift(&mut self, pass: &Pass) {
         let bodies = self.inertias.len();
         let velocities = cells(&mut self.velocities).iter().take(bodies);
-        for (velocity, motion) in velocities.zip(cells(&mut self.motions)) {
-            pass.drift(velocity, motion);
+        let others = cells(&mut self.before).iter().zip(cells(&mut self.motions));
+        for (velocity, (before, motion)) in velocities.zip(others) {
+            pass.drift(velocity, before, motion);
         }
     }
 

@@ -150,6 +150,7 @@ impl Pass {
             preload: 0.0,
             drift: None,
             extrapolates: false,
+            fall: 0.0,
         }
     }
 }

@@ -34,7 +34,7 @@ impl SoftStep {
     pub(crate) fn plan<'a>(
         &self,
         budget: SweepBudget,
-        dt: f32,
+        (dt, gravity): (f32, f32),
         passes: &'a mut Vec<Pass>,
     ) -> &'a [Pass] {
         let h = dt / budget.substeps as f32;
@@ -49,6 +49,7 @@ impl SoftStep {
                 preload: self.preload,
                 drift: Some(h),
                 extrapolates: false,
+                fall: gravity * h,
             };
             passes.push(soft);
             if substep % budget.substeps_per_rigid_sweep == 0 || last {

@@ -13,7 +13,7 @@
 //!
 //! | source | gets a new revision from |
 //! |---|---|
-//! | [`ContactPair`], with its manifold, impulses and anchors | *narrowphase*, when contacts are detected anew; a user's edit |
+//! | [`ContactPair`], with its manifold, impulses and anchors | *narrowphase*, when contacts are detected anew or turn; a user's edit |
 //! | an island of [`Islands`]: members, links, which bodies sleep | *islands* |
 //! | all of [`Islands`] | *islands* |
 //! | the bodies that were removed from the [`BodyTable`](crate::body::BodyTable) | *prepare* |

@@ -166,6 +166,15 @@ impl ContactPair {
         self.flags.set(PairFlags::HOOKED, hooked);
     }
 
+    /// Whether its bodies turn while they touch, so that its lever arms are those of the middle of the step in a solve.
+    pub(crate) fn turns(&self) -> bool {
+        self.flags.has(PairFlags::TURNS)
+    }
+
+    pub(crate) fn set_turns(&mut self, turns: bool) {
+        self.flags.set(PairFlags::TURNS, turns);
+    }
+
     /// Copies edge, slots and bodies of another pair.
     pub(crate) fn take_ends(&mut self, other: &Self) {
         self.bodies = other.bodies;
@@ -209,6 +218,7 @@ impl PairFlags {
     const ANNOUNCED: u8 = 1;
     const HOOKED: u8 = 2;
     const RESTORED: u8 = 4;
+    const TURNS: u8 = 8;
 
     fn has(self, flag: u8) -> bool {
         self.0 & flag != 0
@@ -451,6 +461,11 @@ impl ContactImpulses {
         let points: Vec3 = self.friction.iter().map(|point| point.tangential).sum();
         let patches: Vec3 = self.patches.iter().map(|patch| patch.tangential).sum();
         points + patches + self.elsewhere().tangential
+    }
+
+    /// Whether the contact carried load at the end of the last step.
+    pub(crate) fn carries(&self) -> bool {
+        self.points.iter().any(|point| point.normal_force > 0.0)
     }
 
     /// λ_t on A at one of the points of a patch, N·s, world axes. Under a patch solver it is the share of the patch's friction impulse in

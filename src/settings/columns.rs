@@ -103,6 +103,7 @@ columns!(A);
 columns!(A B);
 columns!(A B C);
 columns!(A B C D);
+columns!(A B C D E);
 columns!(A B C D E F);
 
 #[cfg(test)]

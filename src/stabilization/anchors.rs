@@ -6,8 +6,8 @@ use super::friction::slip_velocity;
 use crate::body::{BodyState, BodyTable};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::pair::{
-    Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, Lists, Manifold,
-    ManifoldPatch, PairsMut, Part, PatchAnchor, fit, revise_edited,
+    Anchor, ContactAnchors, ContactImpulses, ContactPair, ContactPoint, ContactTargets, Lists,
+    Manifold, ManifoldPatch, PairsMut, Part, PatchAnchor, fit, revise_edited,
 };
 use crate::settings::{
     AnchorRule, Classifier, FrictionStabilization, PhysicsThreads, StabilizationSettings, StepTime,
@@ -61,6 +61,31 @@ fn drag(b: &BodyState, anchor: &mut PatchAnchor, normal: Vec3, center: Vec3, by:
     );
 }
 
+/// Writes the anchors of bodies that turn on each other anew, with the slip that they have. An anchor that stayed would draw a body that
+/// rocks onto its other edge back to where that edge was when the anchor was set.
+fn follow_turn(
+    manifold: &Manifold,
+    targets: &ContactTargets,
+    bodies: [&BodyState; 2],
+    anchors: &mut ContactAnchors,
+) {
+    let patches = anchors.patches.iter_mut().zip(&manifold.patches);
+    for ((anchor, patch), slip) in patches.zip(&targets.patches) {
+        if let Some(slip) = slip.filter(|_| anchor.set) {
+            let sticking = anchor.sticking;
+            let back = Slip {
+                shift: -slip.shift,
+                twist: -slip.twist,
+            };
+            let center = bodies[0].center + patch.center;
+            *anchor = write_pose(bodies);
+            drag(bodies[1], anchor, patch.normal, center, back);
+            anchor.sticking = sticking;
+            anchors.measured = None;
+        }
+    }
+}
+
 /// Writes and deletes the anchors of all pairs. Does nothing if friction stabilization is disabled.
 pub fn anchors(
     (table, islands): (Res<BodyTable>, Res<Islands>),
@@ -77,15 +102,16 @@ pub fn anchors(
     let tables = pairs.contiguous_iter_mut();
     for (entities, mut columns) in tables.expect("pair components are stored in tables") {
         for rows in &*graph.active_rows(entities, places) {
-            let (mut pairs, _, manifolds, mut impulses, mut anchors, _) = columns.part(rows);
+            let (mut pairs, _, manifolds, mut impulses, mut anchors, targets) = columns.part(rows);
             revise_edited!(pairs, manifolds);
             let columns = (
                 &*pairs,
                 &*manifolds,
                 impulses.bypass_change_detection(),
                 anchors.bypass_change_detection(),
+                &*targets,
             );
-            threads.each(columns, |(pair, manifold, impulses, anchors)| {
+            threads.each(columns, |(pair, manifold, impulses, anchors, targets)| {
                 // A pair that is not solved keeps its state.
                 if pair.is_idle() && !woke || pair.is_apart() {
                     return;
@@ -105,6 +131,9 @@ pub fn anchors(
                 };
                 fit(manifold, lists);
                 if by_pose {
+                    if pair.turns() {
+                        follow_turn(manifold, targets, bodies, anchors);
+                    }
                     hold_patches(&friction, pair, manifold, impulses, bodies, anchors, &time);
                 } else {
                     hold_points(&friction, pair, manifold, impulses, bodies, anchors);

@@ -19,6 +19,7 @@ mod contact;
 mod edits;
 mod island;
 mod joints;
+mod midway;
 mod order;
 mod patches;
 mod points;

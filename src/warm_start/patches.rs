@@ -1,6 +1,7 @@
 //! The contacts of an island for patch solvers, from manifolds, slips and the impulses of the last step.
 
 use super::contact::start_impulse;
+use super::midway::Midway;
 use super::{SolveContext, SolverContact};
 use crate::body::make_room;
 use crate::pair::{ContactPoint, Impulse, ManifoldPatch};
@@ -41,9 +42,10 @@ impl PatchRows {
         context: &SolveContext,
     ) {
         let ideal = context.stabilization.rest_distance();
-        if !self.refresh_kept(contacts, ideal) {
+        let at = (ideal, context.time.dt);
+        if !self.refresh_kept(contacts, at) {
             self.clear();
-            self.rebuild(contacts, ends, ideal);
+            self.rebuild(contacts, ends, at);
         }
         self.find_surfaces(contacts, context);
     }
@@ -104,12 +106,12 @@ impl PatchRows {
         make_room(&mut self.points, points);
     }
 
-    fn rebuild(&mut self, contacts: &[SolverContact], ends: &[[u32; 2]], ideal: f32) {
+    fn rebuild(&mut self, contacts: &[SolverContact], ends: &[[u32; 2]], at: (f32, f32)) {
         self.reserve(contacts);
         for (contact, ends) in contacts.iter().zip(ends) {
             self.firsts.push(self.patches.len() as u32);
             for (i, patch, range) in contact.manifold.patches_with_points() {
-                let (constraint, points) = contact.patch(i, patch, range, ideal);
+                let (constraint, points) = contact.patch(i, patch, range, at);
                 let first = self.points.len() as u32;
                 self.points.extend(points);
                 self.curved.push(patch.curved);
@@ -125,7 +127,7 @@ impl PatchRows {
 
     /// Updates the rows of the last step: distances and slips, and everything that was detected anew. Returns false if there are no rows,
     /// or if the patches are not the same as before.
-    fn refresh_kept(&mut self, contacts: &[SolverContact], ideal: f32) -> bool {
+    fn refresh_kept(&mut self, contacts: &[SolverContact], now: (f32, f32)) -> bool {
         let rate = 1.0 / self.dt;
         let mut at = 0;
         for contact in contacts {
@@ -141,7 +143,7 @@ impl PatchRows {
                 }
                 let points = &mut self.points[kept.range()];
                 if self.memory.patches()[number] != revision {
-                    let (constraint, found) = contact.patch(i, patch, range, ideal);
+                    let (constraint, found) = contact.patch(i, patch, range, now);
                     *kept = PatchConstraint {
                         bodies: kept.bodies,
                         first: kept.first,
@@ -154,7 +156,7 @@ impl PatchRows {
                     self.memory.patches_mut()[number] = revision;
                 } else {
                     kept.slip = contact.slip(i);
-                    refresh(&contact.manifold.points[range], kept, points, rate, ideal);
+                    refresh(&contact.manifold.points[range], kept, points, rate, now.0);
                 }
             }
         }
@@ -226,14 +228,16 @@ impl SolverContact<'_> {
         i: usize,
         patch: &ManifoldPatch,
         range: Range<usize>,
-        ideal: f32,
+        (ideal, dt): (f32, f32),
     ) -> (PatchConstraint, impl Iterator<Item = PatchPoint>) {
         let points = &self.manifold.points[range.clone()];
         let impulse = self.impulses.patches.get(i).copied().unwrap_or_default();
         let surface = self.surface(patch);
+        let midway = Midway::of(self, patch, dt);
+        let arms = self.manifold.meeting_arms(patch);
         let constraint = PatchConstraint {
             normal: patch.normal,
-            arms: self.manifold.meeting_arms(patch),
+            arms: midway.map_or(arms, |midway| midway.arms(arms)),
             friction: surface.friction,
             restitution: surface.restitution,
             slip: self.slip(i),
@@ -255,7 +259,10 @@ impl SolverContact<'_> {
         let solved = solved.chain(std::iter::repeat(Impulse::default()));
         let points = points.iter().zip(solved);
         let points = points.map(move |(point, impulse)| PatchPoint {
-            offset: point.arm - patch.center,
+            offset: {
+                let offset = point.arm - patch.center;
+                midway.map_or(offset, |midway| midway.offset(offset))
+            },
             separation: point.distance - ideal,
             normal_impulse: impulse.normal_force,
             normal: 0.0,

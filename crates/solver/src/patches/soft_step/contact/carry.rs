@@ -169,9 +169,23 @@ impl<L: F32xN> Block<L> {
         for (lane, number) in patches.clone() {
             found.write(lane, &mut problem.patches[number as usize], FRICTION * rate);
         }
+        let mut turns = L::ZERO;
+        for (lane, number) in patches.clone() {
+            let bodies = problem.patches[number as usize].bodies;
+            let turns_fast = |body: u32| {
+                let spin = problem.bodies[body as usize].start[1];
+                spin.length_squared() > FAST_TURN * FAST_TURN
+            };
+            turns[lane] = if bodies.into_iter().any(turns_fast) {
+                1.0
+            } else {
+                0.0
+            };
+        }
+        let handed = Handed::between(points, L::splat(OPEN_SLOPE) * self.radius, turns);
         let (mut held, mut mean) = (L::ZERO, L::ZERO);
         for point in points {
-            held += point.rest_impulse;
+            held += handed.rest_of(point);
             mean += point.impulse;
         }
         let to_whole = self.share * whole;
@@ -179,7 +193,7 @@ impl<L: F32xN> Block<L> {
         let (rate, aside) = (L::splat(rate), L::splat(DIFFERENCE_SHARE));
         for (number, point) in points.iter().enumerate() {
             let normal = last.mul_add(point.impulse, point.given);
-            let (warm, load) = (whole * point.impulse, whole * point.rest_impulse);
+            let (warm, load) = (whole * point.impulse, whole * handed.rest_of(point));
             let off = aside * ((warm - mean) - (load - held));
             let load = rate.mul_add((mean - held) + off, load).max(L::ZERO);
             for (lane, patch) in patches.clone() {
@@ -213,6 +227,51 @@ impl<L: F32xN> Block<L> {
             dragged: along(t1, t2, self.dragged),
             dragged_twist: self.dragged_twist,
         }
+    }
+}
+
+/// A point has opened that is as far apart, over the mean distance of points from the centre of its patch. Points of walls that settle open
+/// by less.
+const OPEN_SLOPE: f32 = 1e-3;
+
+/// The angular speed from which on a body rocks, rad/s. Piles whose points open and close more slowly come to rest only if their loads do
+/// not follow.
+const FAST_TURN: f32 = 0.1;
+
+/// The loads that points have at rest once those that opened have handed theirs over.
+struct Handed<L> {
+    /// Points that are farther apart have opened, m.
+    gap: L,
+    /// The load at rest that each point takes over, as a share of its impulse.
+    share: L,
+    /// 1 if there are points that can take it over.
+    is_any: L,
+}
+
+impl<L: F32xN> Handed<L> {
+    #[inline(always)]
+    fn between(points: &[Points<L>], gap: L, turns: L) -> Self {
+        let (mut lost, mut carried) = (L::ZERO, L::ZERO);
+        for point in points {
+            let open = point.gap.select_above(gap, turns, L::ZERO);
+            lost = open.mul_add(point.rest_impulse, lost);
+            carried = (L::ONE - open).mul_add(point.impulse, carried);
+        }
+        let is_any = carried.select_above(L::ZERO, turns, L::ZERO);
+        Self {
+            gap,
+            share: is_any * lost * carried.inverse(),
+            is_any,
+        }
+    }
+
+    #[inline(always)]
+    fn rest_of(&self, point: &Points<L>) -> L {
+        let taken = self.share.mul_add(point.impulse, point.rest_impulse);
+        let left = self
+            .is_any
+            .select_above(L::ZERO, L::ZERO, point.rest_impulse);
+        point.gap.select_above(self.gap, left, taken)
     }
 }
 

@@ -78,7 +78,12 @@ fn hops_do_not_grow_as_steps_become_shorter() {
             onto: Target::Stack(2),
             height: 2.0,
         };
-        let hops = [60.0, 240.0, 960.0].map(|hz| 1e3 * drop.run(1.0 / hz).rise);
+        let hops = [60.0, 240.0, 960.0].map(|hz| {
+            let heights = [1.9f32, 1.95, 2.0, 2.05, 2.1];
+            let rises = heights.map(|height| 1e3 * Drop { height, ..drop }.run(1.0 / hz).rise);
+            println!("{hz} Hz: {rises:.2?} mm");
+            rises.iter().sum::<f32>() / rises.len() as f32
+        });
         println!("{cubes} of {density} kg/m³: {hops:.2?} mm");
         // Less than half a millimetre is no hop.
         assert!(hops[2] <= hops[0].max(0.5), "{drop:?}: {hops:?} mm");
@@ -88,9 +93,14 @@ fn hops_do_not_grow_as_steps_become_shorter() {
 
 #[test]
 fn a_ball_takes_as_many_bricks_out_of_a_wall_at_any_step() {
-    let lost = [60.0f32, 240.0].map(|hz| bricks_lost_to_a_ball(0.0, 2.0, 1.0 / hz));
-    println!("{lost:?}");
-    assert!(lost.iter().all(|lost| (4..=8).contains(lost)), "{lost:?}");
+    // How many fall at one place depends on whether those above the hole hold each other, which rounding decides.
+    for hz in [60.0f32, 240.0] {
+        let places = [-0.08f32, -0.06, -0.04, -0.02, 0.0, 0.02, 0.04, 0.06];
+        let lost = places.map(|x| bricks_lost_to_a_ball(x, 2.0, 1.0 / hz));
+        let usual = lost.iter().filter(|lost| (4..=8).contains(*lost)).count();
+        println!("{hz} Hz: {lost:?}");
+        assert!(usual >= 6, "{hz} Hz: {lost:?}");
+    }
 }
 
 /// How many bricks fall depends on whether those above the hole hold each other, which rounding decides. How much speed the ball loses does

@@ -33,6 +33,7 @@ mod masonry;
 mod matrix;
 mod meters;
 mod mortar;
+mod motion;
 mod moving;
 mod need;
 mod order;

@@ -12,7 +12,7 @@ pub struct Case {
     pub quick: bool,
     /// Whether it is cheap enough for the shortest step.
     pub finest: bool,
-    /// Whether the solver of contacts matters.
+    /// Whether it is measured with all solvers, or with the default one alone.
     pub solved: bool,
     /// Causes of what is missed.
     pub note: &'static str,
@@ -35,7 +35,7 @@ const fn case(
 }
 
 /// In the order of the table of reference values.
-pub static CASES: [Case; 29] = [
+pub static CASES: [Case; 33] = [
     case("1: slab starts to slide", slides, ""),
     case(
         "2: slab slides down",
@@ -95,9 +95,10 @@ pub static CASES: [Case; 29] = [
     case(
         "14: rocking block",
         rocks,
-        "Housner's formula is that of an impact in no time at the far edge alone. A solver stops the far edge in two steps: in the first \
-         so that it just arrives, in the second altogether. The error falls with the step of NNCG and PGS. Soft Step divides a step into \
-         substeps, 720 a second, and errs about as much as NNCG at steps of that length; why it errs by more at 0.1 s is not known.",
+        "Housner's formula is that of an impact in no time at the far edge alone. NNCG and PGS take lever arms at the start of a step, so \
+         that a block loses energy while it swings, and stop the far edge in two steps: in the first so that it just arrives, in the \
+         second altogether. Both errors fall with the step. Soft Step divides a step into substeps, 720 a second, and has the arms of the \
+         middle of the step; see 21 for means over impacts.",
     ),
     case(
         "15: jerked base",
@@ -126,13 +127,48 @@ pub static CASES: [Case; 29] = [
         "Soft Step divides a step into substeps, but the lever arms of a contact are fixed during a step; see *Angular momentum of \
          collisions* below.",
     ),
+    Case {
+        solved: false,
+        ..case(
+            "21: motion: blocks that rock",
+            rocks_on,
+            "Truth: Runge and Kutta's method in double precision, with Housner's impact. Single impacts are off by up to 1 %, \
+             either way, by when they come within a substep. At 0.1 s a block turns by 5° in a step.",
+        )
+    },
+    Case {
+        solved: false,
+        ..case(
+            "22: motion: shaken floors",
+            shakes,
+            "The floor is kinematic and gets the mean velocity of each step. Where its acceleration goes on from step to step, its \
+             velocity ramps within a step. An anchor gives way by a millimetre before it slides, so boxes that slide and stick again and again are \
+             drawn back by up to that much each time.",
+        )
+    },
+    Case {
+        solved: false,
+        ..case(
+            "23: motion: spawned while sliding",
+            slides_from_the_start,
+            "The largest difference within 0.3 s. On level ground friction of the first substep acts on the velocity of half of it.",
+        )
+    },
+    Case {
+        solved: false,
+        ..case(
+            "24: motion: rods that bounce",
+            rods_bounce,
+            "The worst of five phases of a step, after the step of the hit. The sweep in which a blow stops the rod relaxes friction \
+             before normals, so that friction of the blow comes late and is too small; at 1/240 s and less the hit takes more than one step.",
+        )
+    },
     case("Hit of two bodies", hits, ""),
     case(
         "Hit with friction",
         grazes,
-        "The worst of five phases of a step in which the ball arrives. Soft Step applies restitution after its sweeps, without friction: \
-         the part of the impulse that only this stage adds has none, and where the ball arrives late in the step that is all of it. \
-         Without restitution, friction in the step of the hit is a little low. NNCG and PGS: the contact is solved while the ball is \
+        "The worst of five phases of a step in which the ball arrives. Friction in the step of the hit is a little low \
+         under Soft Step. NNCG and PGS: the contact is solved while the ball is \
              still up to v Δt away, and its lever arm is longer than the radius by that.",
     ),
     Case {

@@ -1,0 +1,18 @@
+//! Bodies that rock, slide, are shaken and are struck, beside integrations in double precision.
+
+mod housner;
+mod rocking;
+mod rods;
+mod shaking;
+mod sliding;
+
+pub use rocking::rocks_on;
+pub use rods::rods_bounce;
+pub use shaking::shakes;
+pub use sliding::slides_from_the_start;
+
+/// A tolerance for steps of 0.1 s, 1/60 s, 1/240 s and less.
+fn at_step(dt: f32, tolerances: [f32; 4]) -> f32 {
+    let steps = [0.05, 0.01, 0.002];
+    tolerances[steps.iter().filter(|&&step| dt < step).count()]
+}

@@ -142,8 +142,8 @@ pub static CASES: [Case; 33] = [
             "22: motion: shaken floors",
             shakes,
             "The floor is kinematic and gets the mean velocity of each step. Where its acceleration goes on from step to step, its \
-             velocity ramps within a step. An anchor gives way by a millimetre before it slides, so boxes that slide and stick again and again are \
-             drawn back by up to that much each time.",
+             velocity ramps within a step. An anchor gives way by a millimetre before it slides, so boxes that slide and stick \
+             again and again are drawn back by up to that much each time.",
         )
     },
     Case {
@@ -160,7 +160,8 @@ pub static CASES: [Case; 33] = [
             "24: motion: rods that bounce",
             rods_bounce,
             "The worst of five phases of a step, after the step of the hit. The sweep in which a blow stops the rod relaxes friction \
-             before normals, so that friction of the blow comes late and is too small; at 1/240 s and less the hit takes more than one step.",
+             before normals, so that friction of the blow comes late and is too small. At 1/240 s and less the hit takes more than \
+             one step.",
         )
     },
     case("Hit of two bodies", hits, ""),

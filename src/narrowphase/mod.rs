@@ -44,6 +44,7 @@ use crate::settings::{
 };
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
+use glam::Vec3;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
 
@@ -235,7 +236,9 @@ fn look(
     };
     let last = cache.last_pose;
     let since = last.since(a, b);
-    let turns = !curved && are_turning(&since, [a, b], impulses, time.dt);
+    let normal = manifold.patches.first().map(|patch| patch.normal);
+    let turns = !curved
+        && normal.is_some_and(|normal| are_turning(&since, [a, b], normal, impulses, time.dt));
     if manifold.points.is_empty() && last.is_apart(a, b, search, || since) {
         // There was no contact, and there can be none.
     } else if last.holds(since.way(), limit, reach) {
@@ -285,12 +288,20 @@ const MAX_TURN: f32 = 0.4;
 fn are_turning(
     since: &Since,
     bodies: [&BodyState; 2],
+    normal: Vec3,
     impulses: &ContactImpulses,
     dt: f32,
 ) -> bool {
     let turned_far = since.turned() > LITTLE_TURN;
     turned_far && impulses.carries() && {
-        let [one, other] = bodies.map(|body| body.velocity.angular.length_squared());
+        // A top spins about the normal, and does not rock.
+        let rocks = |body: &BodyState| {
+            let along = body.velocity.angular.dot(normal);
+            let square = body.velocity.angular.length_squared();
+            let across = square - along * along;
+            if across > along * along { square } else { 0.0 }
+        };
+        let [one, other] = bodies.map(rocks);
         let (fastest, most) = (one.max(other), MAX_TURN / dt);
         fastest > SLOW_TURN * SLOW_TURN && fastest < most * most
     }
@@ -348,7 +359,7 @@ fn detect_anew(
     reorder(&origins, &of_patches, impulses, anchors, targets);
     // Where bodies hit each other, friction acts at the middle of the patch: it would spin a body that lands on a corner faster than arms
     // that are fixed during a step allow.
-    if impulses.carries() {
+    if impulses.carries() && !a.is_curved() && !b.is_curved() {
         manifold.center_on_load();
     }
     cache.last_pose.take(a, b);

@@ -232,7 +232,7 @@ pub fn placed<L: F32xN>(
         rate: 700.0,
     };
     let mut passes = Vec::new();
-    SoftStep::default().plan(budget, (DT, 9.81), &mut passes);
+    SoftStep::default().plan(budget, (DT, (9.81, false)), &mut passes);
     let spring = Spring {
         omega: 300.0,
         damping_ratio: 5.0,

@@ -10,7 +10,8 @@ use super::{SoftStep, blows, parting, settling, spinners, start};
 use crate::batches::Batches;
 use crate::lanes::F32xN;
 use crate::patches::restitution::{self, Bounces};
-use crate::{PatchProblem, SolveReport};
+use crate::{Body, PatchProblem, SolveReport};
+use glam::Vec3;
 
 /// The sweeps of a problem, found before the first of them, and the contacts that will bounce.
 pub struct Begun {
@@ -39,7 +40,7 @@ impl SoftStep {
         let may_be_quiet = mode != Mode::Blows && may_be_quiet(problem, begun.bounces());
         let passes = self.plan(
             budget,
-            (problem.dt, smooth_gravity(problem)),
+            (problem.dt, smooth_motion(problem)),
             &mut scratch.passes,
         );
         let rounds = passes.split_at(match may_be_quiet {
@@ -104,12 +105,15 @@ impl SoftStep {
     }
 }
 
-/// The acceleration of free fall, m/s²; 0 if there are joints, which follow the drift of bodies themselves.
-pub(super) fn smooth_gravity(problem: &PatchProblem) -> f32 {
-    match problem.joints.is_empty() {
+/// The acceleration of free fall, m/s²; 0 if joints, grabs or moving surfaces act on the bodies as well. And whether bodies are shaken:
+/// some body that they cannot move accelerates.
+pub(super) fn smooth_motion(problem: &PatchProblem) -> (f32, bool) {
+    let shakes = |body: &Body| body.inverse_mass == 0.0 && body.push() != [Vec3::ZERO; 2];
+    let gravity = match problem.has_only_contacts() {
         true => problem.gravity.length(),
         false => 0.0,
-    }
+    };
+    (gravity, problem.bodies.iter().any(shakes))
 }
 
 /// How the sweeps of a step run, and the tops among its bodies. In a step with blows there are none.

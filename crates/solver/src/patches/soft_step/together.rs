@@ -6,7 +6,7 @@
 
 use super::gaps::Gaps;
 use super::island::Island;
-use super::step::{Begun, smooth_gravity};
+use super::step::{Begun, smooth_motion};
 use super::sweeps::layout::batches;
 use super::sweeps::quiet::{first_round, may_be_quiet};
 use super::{SoftStep, blows, parting, spinners};
@@ -189,7 +189,7 @@ impl SoftStep {
         let budget = ready[0].begun.budget;
         let spring = self.spring(budget, problem.dt);
         let mut passes = Vec::new();
-        let passes = self.plan(budget, (problem.dt, smooth_gravity(&problem)), &mut passes);
+        let passes = self.plan(budget, (problem.dt, smooth_motion(&problem)), &mut passes);
         let frequencies = owners.iter().map(|&owner| {
             let own = ready[owner as usize].begun.budget;
             self.spring(own, problem.dt).omega

@@ -22,6 +22,8 @@ pub struct Pass {
     pub extrapolates: bool,
     /// The speed that a body gains in a substep that falls, m/s; 0 if bodies drift with the velocities at the ends of substeps.
     pub fall: f32,
+    /// What they stand on accelerates, so that also bodies that do not turn drift smoothly.
+    pub shaken: bool,
 }
 
 /// The acceleration below which a motion is smooth, over that of free fall. A blow is more.
@@ -30,6 +32,9 @@ const SMOOTH_ACCELERATION: f32 = 1.5;
 /// The speed from which on a body drifts smoothly, over that gained in a substep. Bodies at rest are held by springs whose damping counts
 /// on the velocity at the end of a substep.
 const SMOOTH_SPEED: f32 = 4.0;
+
+/// The angular speeds between which a body rocks, rad/s. What turns faster rolls or tumbles.
+const ROCKS: std::ops::Range<f32> = 0.1..4.0;
 
 impl Pass {
     /// Finishes the pass for a body, after the last visit to it. The forces of the next substep and the contact impulses of the last one
@@ -52,6 +57,10 @@ impl Pass {
         let fall2 = self.fall * self.fall;
         let is_smooth = gained[0].length_squared()
             < SMOOTH_ACCELERATION * SMOOTH_ACCELERATION * fall2
+            && (self.shaken || {
+                let square = now[1].length_squared();
+                square > ROCKS.start * ROCKS.start && square < ROCKS.end * ROCKS.end
+            })
             && now[0].length_squared() > SMOOTH_SPEED * SMOOTH_SPEED * fall2;
         let back = if is_smooth { 0.5 * h } else { 0.0 };
         motion.set([

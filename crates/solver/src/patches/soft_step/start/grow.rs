@@ -118,6 +118,7 @@ fn passes() -> [Pass; SWEEPS_PER_ROUND] {
             // The last soft sweep and the rigid one share a substep.
             extrapolates: sweep + 1 != SOFT_SWEEPS_PER_ROUND,
             fall: 0.0,
+            shaken: false,
         }
     })
 }

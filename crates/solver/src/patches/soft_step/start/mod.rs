@@ -112,7 +112,10 @@ impl New {
 
 /// By body: it slides on what it touches, and neither comes to it nor leaves it.
 fn sliding(problem: &PatchProblem, closed: f32) -> Vec<bool> {
-    let mut slides = vec![true; problem.bodies.len()];
+    // What rolls carries nothing by sliding.
+    let turns_little =
+        |body: &Body| body.start[1].length_squared() < MAX_PLACED_SPEED * MAX_PLACED_SPEED;
+    let mut slides: Vec<bool> = problem.bodies.iter().map(turns_little).collect();
     for patch in problem.patches.iter() {
         let starts = patch
             .bodies

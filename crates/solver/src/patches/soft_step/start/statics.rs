@@ -151,6 +151,7 @@ impl Pass {
             drift: None,
             extrapolates: false,
             fall: 0.0,
+            shaken: false,
         }
     }
 }

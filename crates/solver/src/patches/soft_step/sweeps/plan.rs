@@ -34,7 +34,7 @@ impl SoftStep {
     pub(crate) fn plan<'a>(
         &self,
         budget: SweepBudget,
-        (dt, gravity): (f32, f32),
+        (dt, (gravity, shaken)): (f32, (f32, bool)),
         passes: &'a mut Vec<Pass>,
     ) -> &'a [Pass] {
         let h = dt / budget.substeps as f32;
@@ -50,6 +50,7 @@ impl SoftStep {
                 drift: Some(h),
                 extrapolates: false,
                 fall: gravity * h,
+                shaken,
             };
             passes.push(soft);
             if substep % budget.substeps_per_rigid_sweep == 0 || last {

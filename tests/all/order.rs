@@ -80,7 +80,7 @@ fn alike(scene: &str, seconds: f32) {
         for (found, built) in found.into_iter().zip(built) {
             // A hundredth of a millimetre is nothing to compare.
             assert!(
-                found < 1.5 * built + 0.01 && built < 1.5 * found + 0.01,
+                found < 1.6 * built + 0.01 && built < 1.6 * found + 0.01,
                 "{what}: {found} mm, in order {built} mm"
             );
         }

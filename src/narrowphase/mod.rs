@@ -42,6 +42,7 @@ use crate::revision::Revision;
 use crate::settings::{
     Gravity, NarrowphaseSettings, PhysicsThreads, StabilizationSettings, StepTime,
 };
+use crate::solver::ROCKING_SPEED;
 use bevy_ecs::entity::Entities;
 use bevy_ecs::prelude::*;
 use glam::Vec3;
@@ -223,6 +224,8 @@ fn look(
     impulses.begin_substep(time, manifold);
     if put_apart(a, b) {
         cache.last_pose.forget();
+        impulses.points.fill(Default::default());
+        impulses.patches.fill(Default::default());
         anchors.points.fill(Default::default());
         anchors.patches.fill(Default::default());
         anchors.measured = None;
@@ -237,12 +240,12 @@ fn look(
     let last = cache.last_pose;
     let since = last.since(a, b);
     let normal = manifold.patches.first().map(|patch| patch.normal);
-    let turns = !curved
-        && normal.is_some_and(|normal| are_turning(&since, [a, b], normal, impulses, time.dt));
+    let rocks = !curved
+        && normal.is_some_and(|normal| are_rocking(&since, [a, b], normal, impulses, time.dt));
     if manifold.points.is_empty() && last.is_apart(a, b, search, || since) {
         // There was no contact, and there can be none.
     } else if last.holds(since.way(), limit, reach) {
-        if turns {
+        if rocks {
             cache.last_pose.carry([a, b], &since, manifold);
             pair.revision = rules.revision;
         } else if a.moved || b.moved || rules.edited {
@@ -258,8 +261,8 @@ fn look(
     }
     let touched = pair.touching;
     pair.touching = manifold.points.iter().any(|p| p.distance <= outer);
-    if pair.turns() != turns {
-        pair.set_turns(turns);
+    if pair.rocks() != rocks {
+        pair.set_rocks(rocks);
         pair.revision = rules.revision;
     }
     let parted = touched && !pair.touching;
@@ -275,17 +278,13 @@ fn look(
 /// Bodies that turn by less than this keep their lever arms, rad.
 const LITTLE_TURN: f32 = 1e-4;
 
-/// The angular speed from which on lever arms turn with bodies, rad/s. A structure that settles would creep by it: the rotations of its
-/// bodies are mostly those of their springs.
-const SLOW_TURN: f32 = 0.1;
-
 /// Bodies that turn by more than this in a step keep their lever arms, rad.
 const MAX_TURN: f32 = 0.4;
 
-/// Whether bodies that press on each other turn: one rocks on the other, or they rock together. Then lever arms turn with them, and are
-/// those of the middle of the step in a solve. Arms that stay as they were at the detection act like a torque against the motion: a block
-/// that rocks would lose two thirds of its swings.
-fn are_turning(
+/// Whether bodies that press on each other rock: one on the other, or both together. Then lever arms turn with them, and are those of the
+/// middle of the step in a solve. Arms that stay as they were at the detection act like a torque against the motion: a block that rocks
+/// would lose two thirds of its swings.
+fn are_rocking(
     since: &Since,
     bodies: [&BodyState; 2],
     normal: Vec3,
@@ -294,16 +293,19 @@ fn are_turning(
 ) -> bool {
     let turned_far = since.turned() > LITTLE_TURN;
     turned_far && impulses.carries() && {
-        // A top spins about the normal, and does not rock.
-        let rocks = |body: &BodyState| {
-            let along = body.velocity.angular.dot(normal);
-            let square = body.velocity.angular.length_squared();
-            let across = square - along * along;
-            if across > along * along { square } else { 0.0 }
+        let spins = bodies.map(|body| body.velocity.angular);
+        let fastest = |of: fn(Vec3, Vec3) -> f32| {
+            spins
+                .into_iter()
+                .map(|spin| of(spin, normal))
+                .fold(0.0, f32::max)
         };
-        let [one, other] = bodies.map(rocks);
-        let (fastest, most) = (one.max(other), MAX_TURN / dt);
-        fastest > SLOW_TURN * SLOW_TURN && fastest < most * most
+        let across = fastest(|spin, normal| spin.reject_from_normalized(normal).length_squared());
+        // A top spins about the normal, and does not rock. On a floor that turns, bodies turn with it.
+        let along = (spins[0] - spins[1]).dot(normal);
+        let most = MAX_TURN / dt;
+        across > (along * along).max(ROCKING_SPEED * ROCKING_SPEED)
+            && fastest(|spin, _| spin.length_squared()) < most * most
     }
 }
 
@@ -373,8 +375,8 @@ fn is_idle(body: &BodyState) -> bool {
     !body.moved && !body.renewed && (body.asleep || !body.is_dynamic())
 }
 
-/// Whether the user has moved one of the two bodies, and with it their relative pose. Their anchors are deleted then. Bodies that are
-/// moved together keep theirs.
+/// Whether the user has moved one of the two bodies, and with it their relative pose. Their anchors and loads are deleted then. Bodies that
+/// are moved together keep theirs.
 fn put_apart(a: &BodyState, b: &BodyState) -> bool {
     if a.put_from.is_none() && b.put_from.is_none() {
         return false;

@@ -4,7 +4,7 @@
 //! stacks steadier: lever arms that are computed anew in every step pump energy into tall stacks. Box2D, Box3D and Rapier recycle contacts
 //! for the same reasons.
 //!
-//! Arms of bodies that turn on each other under load are carried along with them: a block that rocks would lose much of its energy by arms
+//! Arms of bodies that rock are carried along with them: a block that rocks would lose much of its energy by arms
 //! that lag behind.
 //!
 //! Bodies on a turntable, in a drum or in a toppling tower turn together. Their manifold is turned with them, with the larger of the two.
@@ -186,8 +186,11 @@ impl Turn {
     /// The change of a vector by the inverse rotation.
     #[inline]
     fn back(&self, vector: Vec3) -> Vec3 {
-        let across = self.axis.cross(vector);
-        2.0 * (self.axis.cross(across) - self.w * across)
+        let inverse = Self {
+            w: -self.w,
+            ..*self
+        };
+        inverse.on(vector)
     }
 }
 

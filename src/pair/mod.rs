@@ -166,13 +166,13 @@ impl ContactPair {
         self.flags.set(PairFlags::HOOKED, hooked);
     }
 
-    /// Whether its bodies turn while they touch, so that its lever arms are those of the middle of the step in a solve.
-    pub(crate) fn turns(&self) -> bool {
-        self.flags.has(PairFlags::TURNS)
+    /// Whether its bodies rock on each other or together, so that its lever arms are those of the middle of the step in a solve.
+    pub(crate) fn rocks(&self) -> bool {
+        self.flags.has(PairFlags::ROCKS)
     }
 
-    pub(crate) fn set_turns(&mut self, turns: bool) {
-        self.flags.set(PairFlags::TURNS, turns);
+    pub(crate) fn set_rocks(&mut self, rocks: bool) {
+        self.flags.set(PairFlags::ROCKS, rocks);
     }
 
     /// Copies edge, slots and bodies of another pair.
@@ -218,7 +218,7 @@ impl PairFlags {
     const ANNOUNCED: u8 = 1;
     const HOOKED: u8 = 2;
     const RESTORED: u8 = 4;
-    const TURNS: u8 = 8;
+    const ROCKS: u8 = 8;
 
     fn has(self, flag: u8) -> bool {
         self.0 & flag != 0

@@ -61,9 +61,9 @@ fn drag(b: &BodyState, anchor: &mut PatchAnchor, normal: Vec3, center: Vec3, by:
     );
 }
 
-/// Writes the anchors of bodies that turn on each other anew, with the slip that they have. An anchor that stayed would draw a body that
+/// Writes the anchors of bodies that rock anew, with the slip that they have. An anchor that stayed would draw a body that
 /// rocks onto its other edge back to where that edge was when the anchor was set.
-fn follow_turn(
+fn follow_rocking(
     manifold: &Manifold,
     targets: &ContactTargets,
     bodies: [&BodyState; 2],
@@ -131,8 +131,8 @@ pub fn anchors(
                 };
                 fit(manifold, lists);
                 if by_pose {
-                    if pair.turns() {
-                        follow_turn(manifold, targets, bodies, anchors);
+                    if pair.rocks() {
+                        follow_rocking(manifold, targets, bodies, anchors);
                     }
                     hold_patches(&friction, pair, manifold, impulses, bodies, anchors, &time);
                 } else {

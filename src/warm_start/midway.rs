@@ -1,4 +1,4 @@
-//! Lever arms as they are at the middle of the step, for bodies that turn on each other.
+//! Lever arms as they are at the middle of the step, for bodies that rock.
 //!
 //! A solver keeps the arms of a step fixed. With those of the start, the weight of a block that rocks acts on an arm that is too long on
 //! the way down and too short on the way up, by ω Δt/2: it would lose 2 % of its energy before it hits the floor at 60 Hz, and 7 % at 0.1
@@ -18,9 +18,9 @@ pub(super) struct Midway {
 }
 
 impl Midway {
-    /// `None` for bodies that do not turn on each other, and for a patch whose bodies meet later in the step: it has the arms of then.
+    /// `None` for bodies that do not rock, and for a patch whose bodies meet later in the step: it has the arms of that time.
     pub fn of(contact: &SolverContact, patch: &ManifoldPatch, dt: f32) -> Option<Self> {
-        if !contact.pair.turns() || patch.ahead != Vec3::ZERO {
+        if !contact.pair.rocks() || patch.ahead != Vec3::ZERO {
             return None;
         }
         let bodies = contact.table.both(contact.pair.slots)?;

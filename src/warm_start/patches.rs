@@ -42,10 +42,10 @@ impl PatchRows {
         context: &SolveContext,
     ) {
         let ideal = context.stabilization.rest_distance();
-        let at = (ideal, context.time.dt);
-        if !self.refresh_kept(contacts, at) {
+        let dt = context.time.dt;
+        if !self.refresh_kept(contacts, (ideal, dt)) {
             self.clear();
-            self.rebuild(contacts, ends, at);
+            self.rebuild(contacts, ends, (ideal, dt));
         }
         self.find_surfaces(contacts, context);
     }
@@ -106,12 +106,12 @@ impl PatchRows {
         make_room(&mut self.points, points);
     }
 
-    fn rebuild(&mut self, contacts: &[SolverContact], ends: &[[u32; 2]], at: (f32, f32)) {
+    fn rebuild(&mut self, contacts: &[SolverContact], ends: &[[u32; 2]], (ideal, dt): (f32, f32)) {
         self.reserve(contacts);
         for (contact, ends) in contacts.iter().zip(ends) {
             self.firsts.push(self.patches.len() as u32);
             for (i, patch, range) in contact.manifold.patches_with_points() {
-                let (constraint, points) = contact.patch(i, patch, range, at);
+                let (constraint, points) = contact.patch(i, patch, range, (ideal, dt));
                 let first = self.points.len() as u32;
                 self.points.extend(points);
                 self.curved.push(patch.curved);
@@ -127,7 +127,7 @@ impl PatchRows {
 
     /// Updates the rows of the last step: distances and slips, and everything that was detected anew. Returns false if there are no rows,
     /// or if the patches are not the same as before.
-    fn refresh_kept(&mut self, contacts: &[SolverContact], now: (f32, f32)) -> bool {
+    fn refresh_kept(&mut self, contacts: &[SolverContact], (ideal, dt): (f32, f32)) -> bool {
         let rate = 1.0 / self.dt;
         let mut at = 0;
         for contact in contacts {
@@ -143,7 +143,7 @@ impl PatchRows {
                 }
                 let points = &mut self.points[kept.range()];
                 if self.memory.patches()[number] != revision {
-                    let (constraint, found) = contact.patch(i, patch, range, now);
+                    let (constraint, found) = contact.patch(i, patch, range, (ideal, dt));
                     *kept = PatchConstraint {
                         bodies: kept.bodies,
                         first: kept.first,
@@ -156,7 +156,7 @@ impl PatchRows {
                     self.memory.patches_mut()[number] = revision;
                 } else {
                     kept.slip = contact.slip(i);
-                    refresh(&contact.manifold.points[range], kept, points, rate, now.0);
+                    refresh(&contact.manifold.points[range], kept, points, rate, ideal);
                 }
             }
         }

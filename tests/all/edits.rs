@@ -254,7 +254,7 @@ fn the_top_brick_of_a_wall_stays_where_it_was_moved_to() {
     }
 }
 
-/// A wall that was put back sways a little before it rests.
+/// The loads of a wall that was shot are not those that it has when it is put back.
 #[test]
 fn a_shot_wall_is_undone_by_transforms() {
     for (wait, x) in [(0.5, 0.3), (4.0, 0.3), (0.5, 0.0), (4.0, 0.7)] {
@@ -274,19 +274,9 @@ fn a_shot_wall_is_undone_by_transforms() {
                 .insert((transform, Velocity::default()));
         }
         lab.run(3.0);
-        let off = bricks.iter().zip(&before);
-        let off = off.map(|(&brick, before)| lab.position(brick).distance(before.translation));
-        let off: Vec<f32> = off.collect();
-        let near = off.iter().filter(|&&off| off <= 1e-3).count();
-        let most = off.iter().copied().fold(0.0, f32::max);
-        let count = off.len();
-        println!(
-            "{wait} s, {x} m: {near} of {count} bricks within 1 mm, the others within {most} m"
-        );
-        assert!(
-            3 * near >= 2 * count && most < 3e-3,
-            "{near} of {count}, {most} m"
-        );
+        for (&brick, transform) in bricks.iter().zip(&before) {
+            assert_at(&lab, brick, transform.translation, 1e-5);
+        }
     }
 }
 

@@ -71,30 +71,41 @@ fn stands_once(
     [1e3 * moved.drift, 1e3 * moved.sag]
 }
 
+/// Asserts that in most orders a structure drifts and sags by as much as in all of them on average, within a factor of 1.5; in all, of 2.
 #[track_caller]
 fn alike(scene: &str, seconds: f32) {
-    let built = stands(scene, seconds, |_| ());
-    println!("{scene} in order: {built:?}");
-    let check = |what: &str, found: [f32; 2]| {
-        println!("{scene} {what}: {found:?}");
-        for (found, built) in found.into_iter().zip(built) {
-            // A hundredth of a millimetre is nothing to compare.
-            assert!(
-                found < 1.6 * built + 0.01 && built < 1.6 * found + 0.01,
-                "{what}: {found} mm, in order {built} mm"
-            );
-        }
-    };
-    check(
-        "reversed",
-        stands(scene, seconds, |bodies| bodies.reverse()),
-    );
-    for seed in 1..=3 {
-        let shuffled = stands(scene, seconds, |bodies| {
+    let shuffled = |seed| {
+        stands(scene, seconds, |bodies| {
             fastrand::Rng::with_seed(seed).shuffle(bodies);
-        });
-        check(&format!("shuffled {seed}"), shuffled);
+        })
+    };
+    let mut found = vec![
+        ("in order".to_owned(), stands(scene, seconds, |_| ())),
+        (
+            "reversed".to_owned(),
+            stands(scene, seconds, |bodies| bodies.reverse()),
+        ),
+    ];
+    found.extend((1..=6).map(|seed| (format!("shuffled {seed}"), shuffled(seed))));
+    let mean = |i: usize| found.iter().map(|(_, moved)| moved[i]).sum::<f32>() / found.len() as f32;
+    let means = [mean(0), mean(1)];
+    println!("{scene}: {means:?} mm on average");
+    let ratio = |moved: &[f32; 2]| {
+        let of = |i: usize| {
+            // A hundredth of a millimetre is nothing to compare.
+            let ratio = (moved[i] + 0.01) / (means[i] + 0.01);
+            ratio.max(1.0 / ratio)
+        };
+        of(0).max(of(1))
+    };
+    for (what, moved) in &found {
+        let ratio = ratio(moved);
+        println!("{scene} {what}: {moved:?} mm, {ratio:.2} times");
+        assert!(ratio < 2.0, "{what}: {moved:?} mm, on average {means:?} mm");
     }
+    // The bricks land, and rounding decides how.
+    let alike = found.iter().filter(|(_, moved)| ratio(moved) < 1.5);
+    assert!(4 * alike.count() >= 3 * found.len());
 }
 
 #[test]

@@ -47,8 +47,8 @@ pub use joint::{
     Utilization,
 };
 pub use patches::{
-    Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, SMALL_ISLAND_PATCHES, Settling,
-    Slip, SoftStep,
+    Memory, PatchConstraint, PatchPoint, PatchProblem, PatchSolver, ROCKING_SPEED,
+    SMALL_ISLAND_PATCHES, Settling, Slip, SoftStep,
 };
 pub use points::{
     Direction, FrictionCone, Grouping, Nncg, PatchFrame, Pgs, PointConstraint, PointInput,

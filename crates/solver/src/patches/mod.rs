@@ -19,6 +19,10 @@ pub use soft_step::settle;
 /// Islands of fewer patches than this are solved together.
 pub const SMALL_ISLAND_PATCHES: usize = 4;
 
+/// The angular speed from which on a body that presses on others rocks, rad/s. In structures that settle, slower rotations are mostly those
+/// of springs.
+pub const ROCKING_SPEED: f32 = 0.1;
+
 /// A method that finds the impulses of patches. Must be deterministic; islands are solved side by side.
 pub trait PatchSolver: Send + Sync {
     /// A short name for reports.

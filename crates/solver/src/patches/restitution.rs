@@ -5,9 +5,14 @@
 //! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Arms that turn do not satisfy this, so a bounce that would gain energy is
 //! weakened.
 //!
-//! Friction acts in the bounce by Coulomb's law, within the cone of the impulses of the bounce. With Newton's law for the normal velocity,
-//! as here, a point that begins to slide in the blow slides on as under Poisson's law.
+//! Friction acts in the bounce by Coulomb's law, within the cone of the impulses of the whole blow: those with which the substeps have
+//! stopped a point, and those of its bounce. With Newton's law for the normal velocity, as here, a point that begins to slide in the blow
+//! slides on as under Poisson's law.
+//!
+//! Slender bodies take no [blows](super::soft_step::blows), in which friction acts as well; so their points that land take part here, and
+//! leave at rest.
 
+use super::soft_step::blows::{BLOW_SPEED, lands_slender};
 use crate::Both;
 use crate::contact_row::{ContactRow, rate, relative};
 use crate::groups::Groups;
@@ -38,36 +43,49 @@ struct Bouncing {
     leave: f32,
     /// Time of its arrival, s from the start of the step.
     arrives: f32,
+    /// It arrives after the others of its patch, and does not bounce in this step.
+    is_late: bool,
 }
 
-/// Finds the points that will bounce if they are stopped, and their speeds; called before the substeps.
+/// Finds the points that will bounce if they are stopped, and their speeds; called before the substeps. With `slender`, those of slender
+/// bodies too that do not bounce.
 ///
 /// They leave with a share e of the velocity with which they arrive, equation (2) of the paper: the velocity before this step's forces, and
 /// the velocity that these add on the way to the surface. Without the second a ball would lose height in every bounce.
-pub fn find(problem: &PatchProblem) -> Bounces {
+pub fn find(problem: &PatchProblem, slender: bool) -> Bounces {
     let mut points = Vec::new();
-    let patches = problem.patches.iter().enumerate();
-    for (number, patch) in patches.filter(|(_, patch)| patch.restitution > 0.0) {
+    for (number, patch) in problem.patches.iter().enumerate() {
         let bodies = patch.bodies.both(|body| &problem.bodies[body as usize]);
+        let lands =
+            || slender && patch.friction > 0.0 && bodies.iter().any(|body| lands_slender(body));
+        if patch.restitution == 0.0 && !lands() {
+            continue;
+        }
         for point in patch.range() {
             let PatchPoint {
                 offset, separation, ..
             } = problem.points[point];
             let arms = patch.arms.both(|arm| arm + offset);
             let came = rate(patch.normal, arms, bodies.both(|body| body.start));
-            if came < 0.0 {
-                let gained = rate(patch.normal, arms, bodies.both(Body::push));
-                let fallen = -2.0 * gained / problem.dt * separation.max(0.0);
-                let leave = patch.restitution * (came * came + fallen).max(0.0).sqrt();
-                // A body that would be back within the step rests.
-                if leave > -0.5 * gained {
-                    points.push(Bouncing {
-                        point,
-                        patch: number,
-                        leave,
-                        arrives: separation.max(0.0) / -came,
-                    });
-                }
+            if came >= 0.0 {
+                continue;
+            }
+            let gained = rate(patch.normal, arms, bodies.both(Body::push));
+            let fallen = -2.0 * gained / problem.dt * separation.max(0.0);
+            let leave = patch.restitution * (came * came + fallen).max(0.0).sqrt();
+            // A body that would be back within the step rests.
+            let takes_part = match patch.restitution > 0.0 {
+                true => leave > -0.5 * gained,
+                false => came < -BLOW_SPEED,
+            };
+            if takes_part {
+                points.push(Bouncing {
+                    point,
+                    patch: number,
+                    leave,
+                    arrives: separation.max(0.0) / -came,
+                    is_late: false,
+                });
             }
         }
     }
@@ -86,17 +104,22 @@ struct Taking {
     /// Its group; points of other groups have no part in its bounce.
     group: u32,
     bodies: [usize; 2],
+    /// It was stopped, and leaves.
+    bounces: bool,
     /// Normal velocity to leave with, m/s; 0 for a point that does not bounce.
     leave: f32,
-    /// Lower bound of its impulse, N·s. A point that does not bounce may lose the impulse that it carries.
+    /// Lower bound of its impulse, N·s. A point may lose the impulse with which it was stopped, or which it carries.
     least: f32,
-    /// Coefficient of friction; 0 for a point that does not bounce.
+    /// Coefficient of friction.
     friction: f32,
-    /// Its friction impulse on A, N·s.
+    /// The normal impulse of the substeps, and its share of their friction impulse on A, N·s.
+    stopped: f32,
+    held: Vec3,
+    /// Its friction impulse on A in the bounce, N·s.
     rubbed: Vec3,
     /// The velocity that friction demands of A against B along the surface, m/s.
     along: Vec3,
-    /// Upper bound of the response to friction, 1/kg.
+    /// Upper bound of the response to friction, 1/kg; 0 for a point that does not bounce.
     yields: f32,
 }
 
@@ -118,15 +141,16 @@ impl Taking {
         self.row.impulse * self.row.direction + self.rubbed
     }
 
-    /// Lets friction stop the point from sliding, within the cone of its impulse. Returns the change of its velocity, m/s.
+    /// Lets friction stop the point from sliding, within the cone of its impulses. Returns the change of its velocity, m/s.
     fn rub(&mut self, bodies: &mut [Body]) -> f32 {
         if self.friction == 0.0 || self.yields <= 0.0 {
             return 0.0;
         }
         let slides =
             (self.velocity(bodies) - self.along).reject_from_normalized(self.row.direction);
-        let wanted = self.rubbed - slides / self.yields;
-        let rubbed = wanted.clamp_length_max(self.friction * self.row.impulse);
+        let wanted = self.held + self.rubbed - slides / self.yields;
+        let most = self.friction * (self.stopped + self.row.impulse);
+        let rubbed = wanted.clamp_length_max(most) - self.held;
         let change = rubbed - std::mem::replace(&mut self.rubbed, rubbed);
         bodies[self.bodies[0]].apply(change, self.row.arms[0]);
         bodies[self.bodies[1]].apply(-change, self.row.arms[1]);
@@ -155,19 +179,18 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
             .fold(f32::NEG_INFINITY, f32::max);
         for point in patch {
             // A face that lands at the very end of the step bounces as a whole, or one of its edges would throw it.
-            if !stopped(point) && point.arrives > last + at_once {
-                point.leave = 0.0;
-            }
+            let arrives_later = point.arrives > last + at_once || point.leave == 0.0;
+            point.is_late = !stopped(point) && arrives_later;
         }
     }
-    bouncing.retain(|bouncing| bouncing.leave > 0.0);
+    bouncing.retain(|bouncing| !bouncing.is_late);
     if bouncing.is_empty() {
         return;
     }
     let mut rows = rows(problem, &bouncing, substeps);
     group(&mut rows, problem.bodies);
     for group in rows.chunk_by_mut(|a, b| a.group == b.group) {
-        if group.iter().any(|taking| taking.leave > 0.0) {
+        if group.iter().any(|taking| taking.bounces) {
             throw(group, problem.points, problem.bodies, &bounces.pushes);
         }
     }
@@ -175,7 +198,7 @@ pub fn bounce(problem: &mut PatchProblem, bounces: Bounces, substeps: usize) {
         let point = &mut problem.points[taking.point];
         point.normal += taking.row.impulse;
         problem.patches[taking.patch].tangential += taking.rubbed;
-        if taking.leave > 0.0 {
+        if taking.bounces {
             // The point has left the surface and carries nothing.
             point.normal_impulse = 0.0;
             let patch = &mut problem.patches[taking.patch];
@@ -211,7 +234,9 @@ fn throw(group: &mut [Taking], points: &[PatchPoint], bodies: &mut [Body], pushe
         .iter()
         .map(|&end| [bodies[end].linear, bodies[end].angular])
         .collect();
-    let fastest = group.iter().map(|taking| taking.leave).fold(0.0, f32::max);
+    let speeds = group.iter().filter(|taking| taking.bounces);
+    let speeds = speeds.map(|taking| taking.leave.max(taking.stopped * taking.row.response));
+    let fastest = speeds.fold(0.0, f32::max);
     for patch in group.chunk_by_mut(|a, b| a.patch == b.patch) {
         throw_together(patch, points, bodies);
     }
@@ -250,6 +275,11 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<T
         found.map_or(Vec3::ZERO, |i| surfaces[i].1)
     };
     for (number, patch) in problem.patches.iter().enumerate() {
+        let normal: f32 = problem.points[patch.range()]
+            .iter()
+            .map(|point| point.normal)
+            .sum();
+        let share = if normal > 0.0 { 1.0 / normal } else { 0.0 };
         for index in patch.range() {
             let bounces = next.next_if(|bouncing| bouncing.point == index);
             let point = &problem.points[index];
@@ -275,23 +305,26 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<T
                 patch: number,
                 group: 0,
                 bodies,
+                bounces: bounces.is_some(),
                 leave: bounces.map_or(0.0, |bouncing| bouncing.leave),
                 least: match bounces {
-                    Some(_) => 0.0,
+                    Some(_) => -point.normal,
                     None => -point.normal_impulse / substeps as f32,
                 },
-                friction: bounces.map_or(0.0, |_| patch.friction),
+                friction: patch.friction,
+                stopped: point.normal,
+                held: share * point.normal * patch.tangential,
                 rubbed: Vec3::ZERO,
                 along: surface(number),
-                yields: {
+                yields: bounces.map_or(0.0, |_| {
                     let (t1, t2) = patch.normal.any_orthonormal_pair();
-                    let response = |t: Vec3| {
+                    let both = [t1, t2].map(|t| {
                         let of = |i: usize| problem.bodies[bodies[i]].response(t, arms[i]);
                         of(0) + of(1)
-                    };
+                    });
                     // The larger of the two principal ones is at most their sum.
-                    (response(t1) + response(t2)).max(0.0)
-                },
+                    both[0] + both[1]
+                }),
             });
         }
     }
@@ -302,7 +335,7 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<T
 /// a body that landed on a face leaves it as it came.
 fn throw_together(patch: &mut [Taking], points: &[PatchPoint], bodies: &mut [Body]) {
     let (mut push, mut turns, mut missing) = (0.0, [Vec3::ZERO; 2], 0.0);
-    for taking in patch.iter().filter(|taking| taking.leave > 0.0) {
+    for taking in patch.iter().filter(|taking| taking.bounces) {
         let given = points[taking.point].normal;
         push += given;
         for (turn, arm) in turns.iter_mut().zip(taking.row.arms) {
@@ -317,7 +350,7 @@ fn throw_together(patch: &mut [Taking], points: &[PatchPoint], bodies: &mut [Bod
         + turns[0].dot(a.inverse_inertia * turns[0])
         + turns[1].dot(b.inverse_inertia * turns[1]);
     if missing > 0.0 && takes > 0.0 {
-        for taking in patch.iter_mut().filter(|taking| taking.leave > 0.0) {
+        for taking in patch.iter_mut().filter(|taking| taking.bounces) {
             taking.give(missing / takes * points[taking.point].normal, bodies);
         }
     }

@@ -1,4 +1,4 @@
-//! Rods that fall on a floor, end first.
+//! Row 24: rods that fall on a floor, end first.
 
 use crate::accuracy::{Settings, Values};
 use bevy_transform::components::Transform;

@@ -1,4 +1,4 @@
-//! Blocks on a floor that is shaken.
+//! Row 22: blocks on a floor that is shaken.
 
 use super::at_step;
 use super::housner::Lean;
@@ -160,7 +160,7 @@ fn standing(settings: Settings, dt: f32, slenderness: f32) -> (Lab, Entity, Enti
 
 /// The least acceleration of half a sine at which a block falls, m/s², and the truth. `ratio` is the rate of the sine over the block's p.
 fn overturns(settings: Settings, dt: f32, slenderness: f32, ratio: f64) -> [Option<f32>; 2] {
-    let truth = block_of(slenderness);
+    let truth = block_of(slenderness, HEIGHT);
     let rate = ratio * truth.p2.sqrt();
     let pulse = |acceleration: f32| Shake::Pulse {
         acceleration: acceleration as f64,
@@ -201,7 +201,7 @@ fn begins(settings: Settings, dt: f32, slenderness: f32) -> [f64; 2] {
     };
     let mut times = [f64::NAN; 2];
     let floor = |t| shake.acceleration(t);
-    block_of(slenderness).rock(lean, 20.0, floor, |t, lean| {
+    block_of(slenderness, HEIGHT).rock(lean, 20.0, floor, |t, lean| {
         times[1] = t;
         lean.angle.abs() < LEAN
     });

@@ -2,6 +2,7 @@
 
 use super::SoftStep;
 use super::contact::pass::Pass;
+use super::contact::smooth::Smooth;
 use super::contact::spring::Spring;
 use super::island::Island;
 use super::sweeps::budget::SweepBudget;
@@ -232,7 +233,7 @@ pub fn placed<L: F32xN>(
         rate: 700.0,
     };
     let mut passes = Vec::new();
-    SoftStep::default().plan(budget, (DT, (9.81, false)), &mut passes);
+    SoftStep::default().plan(budget, DT, Smooth::of(problem), &mut passes);
     let spring = Spring {
         omega: 300.0,
         damping_ratio: 5.0,

@@ -37,7 +37,7 @@
 //!
 //! `examples/study` measures the effect of each part; `docs/stability.md` has the results.
 
-mod blows;
+pub(super) mod blows;
 mod bonded;
 mod contact;
 mod gaps;

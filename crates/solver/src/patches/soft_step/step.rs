@@ -1,5 +1,6 @@
 //! A step of one island, from its problem to its impulses.
 
+use super::contact::smooth::Smooth;
 use super::gaps::Gaps;
 use super::kept::{Kept, Scratch};
 use super::sweeps::Mode;
@@ -10,12 +11,12 @@ use super::{SoftStep, blows, parting, settling, spinners, start};
 use crate::batches::Batches;
 use crate::lanes::F32xN;
 use crate::patches::restitution::{self, Bounces};
-use crate::{Body, PatchProblem, SolveReport};
-use glam::Vec3;
+use crate::{PatchProblem, SolveReport};
 
-/// The sweeps of a problem, found before the first of them, and the contacts that will bounce.
+/// What is found before the sweeps of a problem: their number, which motions are smooth, and the contacts that will bounce.
 pub struct Begun {
     pub budget: SweepBudget,
+    pub smooth: Smooth,
     bounces: Option<Bounces>,
 }
 
@@ -38,11 +39,7 @@ impl SoftStep {
         let gaps = Gaps::of(problem);
         let (mode, mut tops) = mode(problem, &gaps, budget);
         let may_be_quiet = mode != Mode::Blows && may_be_quiet(problem, begun.bounces());
-        let passes = self.plan(
-            budget,
-            (problem.dt, smooth_motion(problem)),
-            &mut scratch.passes,
-        );
+        let passes = self.plan(budget, problem.dt, begun.smooth, &mut scratch.passes);
         let rounds = passes.split_at(match may_be_quiet {
             true => first_round(passes, problem.effort),
             false => passes.len(),
@@ -96,24 +93,22 @@ impl SoftStep {
             ..
         } = scratch;
         let mut statistics = LoadStatistics::of(problem, body_loads);
-        let bounces = statistics.bounces.then(|| restitution::find(problem));
+        let slender = problem.bodies.iter().any(blows::lands_slender);
+        let bounces = (statistics.bounces || slender).then(|| restitution::find(problem, slender));
         if start::cold_start::<L>(problem, body_loads) {
             statistics = LoadStatistics::of(problem, body_loads);
         }
         let budget = SweepBudget::new(self, problem, (&statistics, &*body_loads), courses);
-        Begun { budget, bounces }
+        let smooth = match statistics.rolls {
+            true => Smooth::default(),
+            false => Smooth::of(problem),
+        };
+        Begun {
+            budget,
+            smooth,
+            bounces,
+        }
     }
-}
-
-/// The acceleration of free fall, m/s²; 0 if joints, grabs or moving surfaces act on the bodies as well. And whether bodies are shaken:
-/// some body that they cannot move accelerates.
-pub(super) fn smooth_motion(problem: &PatchProblem) -> (f32, bool) {
-    let shakes = |body: &Body| body.inverse_mass == 0.0 && body.push() != [Vec3::ZERO; 2];
-    let gravity = match problem.has_only_contacts() {
-        true => problem.gravity.length(),
-        false => 0.0,
-    };
-    (gravity, problem.bodies.iter().any(shakes))
 }
 
 /// How the sweeps of a step run, and the tops among its bodies. In a step with blows there are none.

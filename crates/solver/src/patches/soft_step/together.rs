@@ -6,7 +6,7 @@
 
 use super::gaps::Gaps;
 use super::island::Island;
-use super::step::{Begun, smooth_motion};
+use super::step::Begun;
 use super::sweeps::layout::batches;
 use super::sweeps::quiet::{first_round, may_be_quiet};
 use super::{SoftStep, blows, parting, spinners};
@@ -138,10 +138,13 @@ impl SoftStep {
                 begun,
             });
         }
-        let sweeps = |ready: &Ready| (ready.begun.budget.plan(), ready.may_be_quiet);
+        let sweeps = |ready: &Ready| {
+            let Begun { budget, smooth, .. } = &ready.begun;
+            (budget.plan(), ready.may_be_quiet, smooth.kind())
+        };
         sort::by_key(&mut ready, |ready| {
-            let ((substeps, per_rigid_sweep, downwards), may_be_quiet) = sweeps(ready);
-            let flags = u64::from(downwards) << 1 | u64::from(may_be_quiet);
+            let ((substeps, per_rigid_sweep, downwards), may_be_quiet, smooth) = sweeps(ready);
+            let flags = smooth << 2 | u64::from(downwards) << 1 | u64::from(may_be_quiet);
             (substeps, per_rigid_sweep, flags)
         });
         for group in ready.chunk_by(|a, b| sweeps(a) == sweeps(b)) {
@@ -189,7 +192,7 @@ impl SoftStep {
         let budget = ready[0].begun.budget;
         let spring = self.spring(budget, problem.dt);
         let mut passes = Vec::new();
-        let passes = self.plan(budget, (problem.dt, smooth_motion(&problem)), &mut passes);
+        let passes = self.plan(budget, problem.dt, ready[0].begun.smooth, &mut passes);
         let frequencies = owners.iter().map(|&owner| {
             let own = ready[owner as usize].begun.budget;
             self.spring(own, problem.dt).omega

@@ -38,7 +38,7 @@ use hot::Hot;
 use std::cell::Cell;
 
 /// A change of a body's velocity in one substep counts as a blow from this value on, m/s.
-const BLOW_SPEED: f32 = 0.25;
+pub const BLOW_SPEED: f32 = 0.25;
 
 /// A change of the relative velocity at a patch below which sweeps end and a blow spreads no farther, m/s.
 const SETTLED_CHANGE: f32 = 0.02;
@@ -92,6 +92,16 @@ fn hits(problem: &PatchProblem, patch: &PatchConstraint) -> bool {
         })
 }
 
+/// Whether a body is too slender to take a blow.
+fn is_slender(body: &Body) -> bool {
+    longest_square_gyration(body) > MAX_SLENDERNESS * MAX_SLENDERNESS * body.square_gyration()
+}
+
+/// Whether a body that takes no blow, because it is slender, may hit others in this step.
+pub fn lands_slender(body: &Body) -> bool {
+    body.inverse_mass > 0.0 && is_fast(body) && is_slender(body)
+}
+
 /// The square of the largest radius of gyration, m².
 fn longest_square_gyration(body: &Body) -> f32 {
     0.5 * trace(&body.inverse_inertia.inverse()) * body.inverse_mass
@@ -121,9 +131,7 @@ impl<L: F32xN> Blows<L> {
         let square_gyrations = problem.bodies.iter().enumerate().map(|(number, body)| {
             let square = body.square_gyration();
             let turns_little = body.angular.length() * problem.dt <= MAX_TURN;
-            let is_stocky =
-                longest_square_gyration(body) <= MAX_SLENDERNESS * MAX_SLENDERNESS * square;
-            match turns_little && is_stocky && !island.joints.hold(number) {
+            match turns_little && !is_slender(body) && !island.joints.hold(number) {
                 true => square,
                 false => 0.0,
             }

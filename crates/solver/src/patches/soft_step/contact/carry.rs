@@ -3,7 +3,7 @@
 use super::block::{Block, Points};
 use super::locks::Locks;
 use crate::lanes::{F32xN, Frame, Vec3xN};
-use crate::{PatchConstraint, PatchProblem, Slip};
+use crate::{PatchConstraint, PatchProblem, ROCKING_SPEED, Slip};
 use glam::Mat3;
 
 /// Rate at which the mean load of friction follows, relative to that of normals. At 1, walls go on drifting.
@@ -169,20 +169,9 @@ impl<L: F32xN> Block<L> {
         for (lane, number) in patches.clone() {
             found.write(lane, &mut problem.patches[number as usize], FRICTION * rate);
         }
-        let mut turns = L::ZERO;
-        for (lane, number) in patches.clone() {
-            let bodies = problem.patches[number as usize].bodies;
-            let turns_fast = |body: u32| {
-                let spin = problem.bodies[body as usize].start[1];
-                spin.length_squared() > FAST_TURN * FAST_TURN
-            };
-            turns[lane] = if bodies.into_iter().any(turns_fast) {
-                1.0
-            } else {
-                0.0
-            };
-        }
-        let handed = Handed::between(points, L::splat(OPEN_SLOPE) * self.radius, turns);
+        let handed = Handed::between(points, L::splat(OPEN_SLOPE) * self.radius, || {
+            rocking(patches.clone(), problem)
+        });
         let (mut held, mut mean) = (L::ZERO, L::ZERO);
         for point in points {
             held += handed.rest_of(point);
@@ -230,15 +219,13 @@ impl<L: F32xN> Block<L> {
     }
 }
 
-/// A point has opened that is as far apart, over the mean distance of points from the centre of its patch. Points of walls that settle open
-/// by less.
-const OPEN_SLOPE: f32 = 1e-3;
+/// A point has opened if it is farther apart than this times the mean distance of points from the centre of its patch. Points of walls that
+/// settle open by less.
+const OPEN_SLOPE: f32 = 2e-3;
 
-/// The angular speed from which on a body rocks, rad/s. Piles whose points open and close more slowly come to rest only if their loads do
-/// not follow.
-const FAST_TURN: f32 = 0.1;
-
-/// The loads that points have at rest once those that opened have handed theirs over.
+/// The loads at rest of the points of a patch. If a body rocks, points that have opened hand theirs over to those that carry it: otherwise
+/// the new edge would sag under a load that its springs do not know yet. In piles, points open and close slowly, and loads that followed
+/// would keep them from resting.
 struct Handed<L> {
     /// Points that are farther apart have opened, m.
     gap: L,
@@ -249,20 +236,27 @@ struct Handed<L> {
 }
 
 impl<L: F32xN> Handed<L> {
+    /// `rocking` returns 1 in lanes in which a body rocks, else 0. It is asked if some point with a load has opened.
     #[inline(always)]
-    fn between(points: &[Points<L>], gap: L, turns: L) -> Self {
-        let (mut lost, mut carried) = (L::ZERO, L::ZERO);
+    fn between(points: &[Points<L>], gap: L, rocking: impl FnOnce() -> L) -> Self {
+        let is_open = |point: &Points<L>, one: L| point.gap.select_above(gap, one, L::ZERO);
+        let mut opened = L::ZERO;
         for point in points {
-            let open = point.gap.select_above(gap, turns, L::ZERO);
-            lost = open.mul_add(point.rest_impulse, lost);
-            carried = (L::ONE - open).mul_add(point.impulse, carried);
+            opened += is_open(point, point.rest_impulse);
         }
-        let is_any = carried.select_above(L::ZERO, turns, L::ZERO);
-        Self {
-            gap,
-            share: is_any * lost * carried.inverse(),
-            is_any,
+        let (mut share, mut is_any) = (L::ZERO, L::ZERO);
+        if opened.any_above(L::ZERO) {
+            let rocks = rocking();
+            let (mut lost, mut carried) = (L::ZERO, L::ZERO);
+            for point in points {
+                let open = is_open(point, rocks);
+                lost = open.mul_add(point.rest_impulse, lost);
+                carried = (L::ONE - open).mul_add(point.impulse, carried);
+            }
+            is_any = carried.select_above(L::ZERO, rocks, L::ZERO);
+            share = is_any * lost * carried.inverse();
         }
+        Self { gap, share, is_any }
     }
 
     #[inline(always)]
@@ -273,6 +267,22 @@ impl<L: F32xN> Handed<L> {
             .select_above(L::ZERO, L::ZERO, point.rest_impulse);
         point.gap.select_above(self.gap, left, taken)
     }
+}
+
+/// 1 in the lanes of patches of which a body rocks, else 0.
+fn rocking<L: F32xN>(patches: impl Iterator<Item = (usize, u32)>, problem: &PatchProblem) -> L {
+    let mut rocking = L::ZERO;
+    for (lane, number) in patches {
+        let bodies = problem.patches[number as usize].bodies;
+        let rocks = |body: u32| {
+            let [_, spin] = problem.bodies[body as usize].start;
+            spin.length_squared() > ROCKING_SPEED * ROCKING_SPEED
+        };
+        if bodies.into_iter().any(rocks) {
+            rocking[lane] = 1.0;
+        }
+    }
+    rocking
 }
 
 /// The vector with components x and y along the two tangents.

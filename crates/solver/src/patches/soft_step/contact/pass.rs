@@ -1,5 +1,6 @@
 //! The parameters of a pass: one sweep, and what follows it.
 
+use super::smooth::Smooth;
 use crate::lanes::State;
 use std::cell::Cell;
 
@@ -20,21 +21,9 @@ pub struct Pass {
     pub drift: Option<f32>,
     /// Another substep follows the pass.
     pub extrapolates: bool,
-    /// The speed that a body gains in a substep that falls, m/s; 0 if bodies drift with the velocities at the ends of substeps.
-    pub fall: f32,
-    /// What they stand on accelerates, so that also bodies that do not turn drift smoothly.
-    pub shaken: bool,
+    /// Which motions are smooth.
+    pub smooth: Smooth,
 }
-
-/// The acceleration below which a motion is smooth, over that of free fall. A blow is more.
-const SMOOTH_ACCELERATION: f32 = 1.5;
-
-/// The speed from which on a body drifts smoothly, over that gained in a substep. Bodies at rest are held by springs whose damping counts
-/// on the velocity at the end of a substep.
-const SMOOTH_SPEED: f32 = 4.0;
-
-/// The angular speeds between which a body rocks, rad/s. What turns faster rolls or tumbles.
-const ROCKS: std::ops::Range<f32> = 0.1..4.0;
 
 impl Pass {
     /// Finishes the pass for a body, after the last visit to it. The forces of the next substep and the contact impulses of the last one
@@ -45,24 +34,18 @@ impl Pass {
         self.extrapolate(velocity, before);
     }
 
-    /// Moves a body, if bodies drift after this pass: by its velocity at the end of the substep, or, if its motion is fast and smooth, by
-    /// the mean of those at the beginning and at the end. With that at the end alone, a body that swings down onto an edge would arrive
-    /// there with less energy than it has lost in height.
+    /// Moves a body, if bodies drift after this pass: by its velocity at the end of the substep or, in a smooth motion, by the mean of
+    /// those at the beginning and at the end.
     #[inline(always)]
     pub fn drift(&self, velocity: &Cell<State>, before: &Cell<State>, motion: &Cell<State>) {
         let Some(h) = self.drift else { return };
         let (now, was) = (velocity.get(), before.get());
-        let [linear, angular] = motion.get();
         let gained = [now[0] - was[0], now[1] - was[1]];
-        let fall2 = self.fall * self.fall;
-        let is_smooth = gained[0].length_squared()
-            < SMOOTH_ACCELERATION * SMOOTH_ACCELERATION * fall2
-            && (self.shaken || {
-                let square = now[1].length_squared();
-                square > ROCKS.start * ROCKS.start && square < ROCKS.end * ROCKS.end
-            })
-            && now[0].length_squared() > SMOOTH_SPEED * SMOOTH_SPEED * fall2;
-        let back = if is_smooth { 0.5 * h } else { 0.0 };
+        let back = match self.smooth.is(now, gained, h) {
+            true => 0.5 * h,
+            false => 0.0,
+        };
+        let [linear, angular] = motion.get();
         motion.set([
             linear + (h * now[0] - back * gained[0]),
             angular + (h * now[1] - back * gained[1]),

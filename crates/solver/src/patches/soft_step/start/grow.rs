@@ -11,6 +11,7 @@ use crate::body::speed_of;
 use crate::lanes::{F32xN, State};
 use crate::patches::soft_step::SoftStep;
 use crate::patches::soft_step::contact::pass::Pass;
+use crate::patches::soft_step::contact::smooth::Smooth;
 use crate::patches::soft_step::contact::spring::Spring;
 use crate::patches::soft_step::island::Island;
 use crate::patches::soft_step::sweeps::layout::batches;
@@ -117,8 +118,7 @@ fn passes() -> [Pass; SWEEPS_PER_ROUND] {
             drift: soft.then_some(SUBSTEP),
             // The last soft sweep and the rigid one share a substep.
             extrapolates: sweep + 1 != SOFT_SWEEPS_PER_ROUND,
-            fall: 0.0,
-            shaken: false,
+            smooth: Smooth::default(),
         }
     })
 }

@@ -1,10 +1,11 @@
 //! Hands loads down. From the top, each body passes its own weight and the load on it to its supports, as if those could not yield. One
 //! pass is exact for a tower, also on a slope, and a good start for a wall or a pyramid.
 
+use super::MAX_PLACED_SPEED;
 use crate::Both;
-use crate::contact_row::{ContactRow, add_to};
+use crate::contact_row::{ContactRow, add_to, relative};
 use crate::patches::soft_step::start::upright::{up, upper};
-use crate::{Body, PatchPoint, PatchProblem};
+use crate::{Body, PatchConstraint, PatchPoint, PatchProblem};
 use bevy_math::ops;
 use glam::Vec3;
 use smallvec::SmallVec;
@@ -174,20 +175,29 @@ impl Foot {
         changed
     }
 
-    /// Lets its friction stop the body, within the friction of its normal impulses. Returns the largest change, N·s.
+    /// Lets its friction stop the body, within the friction of its normal impulses. Friction of a body that slides acts against the slide.
+    /// Returns the largest change, N·s.
     fn hold(&mut self, problem: &PatchProblem, body: &Body, motion: &mut [Vec3; 2]) -> f32 {
         let patch = &problem.patches[self.patch];
+        let (t1, t2) = patch.normal.any_orthonormal_pair();
         let tangents = self.tangents.get_or_insert_with(|| {
             let sign = if self.side == 0 { 1.0 } else { -1.0 };
             let arms = [self.side, 1 - self.side].both(|side| patch.arms[side]);
-            let (t1, t2) = patch.normal.any_orthonormal_pair();
             [t1, t2].both(|t| {
                 let before = t.dot(patch.friction_impulse);
                 Push::new(body, t * sign, arms, before)
             })
         });
         let carried: f32 = self.normals.iter().map(|(_, push)| push.row.impulse).sum();
-        let [x, y] = [0, 1].both(|i| tangents[i].wanted(*motion));
+        let slides = slide(problem, patch);
+        let [x, y] = [(0, t1), (1, t2)].both(|(i, t)| {
+            let row = &tangents[i].row;
+            let stops = match row.response > 0.0 {
+                true => t.dot(slides) / row.response,
+                false => 0.0,
+            };
+            tangents[i].wanted(*motion) - stops
+        });
         let share = (patch.friction * carried / ops::hypot(x, y)).min(1.0);
         let found = if share.is_nan() {
             [0.0; 2]
@@ -197,6 +207,18 @@ impl Foot {
         let rows = tangents.iter_mut().zip(found);
         rows.map(|(push, found)| push.set(found, body, motion))
             .fold(0.0, f32::max)
+    }
+}
+
+/// The velocity with which A slides on B at the centre of a patch, m/s; zero if they hardly move.
+fn slide(problem: &PatchProblem, patch: &PatchConstraint) -> Vec3 {
+    let starts = patch
+        .bodies
+        .both(|body| problem.bodies[body as usize].start);
+    let velocity = relative(patch.arms, starts).reject_from_normalized(patch.normal);
+    match velocity.length_squared() > MAX_PLACED_SPEED * MAX_PLACED_SPEED {
+        true => velocity,
+        false => Vec3::ZERO,
     }
 }
 

@@ -91,16 +91,17 @@ impl New {
                 let still = stands && slower(body, MAX_PLACED_SPEED);
                 [
                     still && !body_loads.carries,
-                    stands && slides.get(number) == Some(&true),
+                    stands && !still && slides.get(number) == Some(&true),
                     slower(body, MAX_REST_SPEED) && still && unloaded(&(body, body_loads)),
                 ]
             })
             .collect();
         let new = bodies.iter().filter(|[new, ..]| *new).count();
         let moved = problem.bodies.iter().filter(moves);
-        // Statics knows no joints.
+        // Statics knows neither joints nor bodies that slide.
         let all = 2 * new > moved.count()
             && jointed.is_empty()
+            && !bodies.iter().any(|[_, slides, _]| *slides)
             && problem.bodies.iter().all(|body| slower(body, fall));
         let bodies: Vec<bool> = bodies
             .into_iter()

@@ -10,6 +10,7 @@ use super::STILL_MOTION;
 use crate::PatchProblem;
 use crate::lanes::{F32xN, Kernel, State, cells};
 use crate::patches::soft_step::contact::pass::Pass;
+use crate::patches::soft_step::contact::smooth::Smooth;
 use crate::patches::soft_step::contact::spring::Spring;
 use crate::patches::soft_step::island::Island;
 use crate::patches::soft_step::sweeps::layout::batches;
@@ -150,8 +151,7 @@ impl Pass {
             preload: 0.0,
             drift: None,
             extrapolates: false,
-            fall: 0.0,
-            shaken: false,
+            smooth: Smooth::default(),
         }
     }
 }

@@ -19,6 +19,8 @@ pub struct LoadStatistics {
     pub pressed: f32,
     /// Some contact may bounce.
     pub bounces: bool,
+    /// Some body is round.
+    pub rolls: bool,
 }
 
 /// The loads on a body.
@@ -45,9 +47,10 @@ impl LoadStatistics {
         body_loads.clear();
         body_loads.extend(problem.bodies.iter().map(BodyLoad::of));
         let (mut new, mut all, mut pressed) = (0.0, 0.0, 0f32);
-        let mut bounces = false;
+        let (mut bounces, mut rolls) = (false, false);
         for patch in problem.patches.iter() {
             bounces |= patch.restitution > 0.0;
+            rolls |= patch.rolling_radius > 0.0 && patch.rolling_radius < f32::INFINITY;
             let (mut load, mut impulse) = (0.0, 0.0);
             for point in &problem.points[patch.range()] {
                 load += point.rest_impulse;
@@ -81,6 +84,7 @@ impl LoadStatistics {
             unsettled: if all > 0.0 { new / all } else { 1.0 },
             pressed: pressed / problem.dt,
             bounces,
+            rolls,
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::budget::SweepBudget;
 use crate::patches::soft_step::SoftStep;
 use crate::patches::soft_step::contact::pass::Pass;
+use crate::patches::soft_step::contact::smooth::Smooth;
 use crate::patches::soft_step::contact::spring::Spring;
 use std::f32::consts::TAU;
 
@@ -34,7 +35,8 @@ impl SoftStep {
     pub(crate) fn plan<'a>(
         &self,
         budget: SweepBudget,
-        (dt, (gravity, shaken)): (f32, (f32, bool)),
+        dt: f32,
+        smooth: Smooth,
         passes: &'a mut Vec<Pass>,
     ) -> &'a [Pass] {
         let h = dt / budget.substeps as f32;
@@ -49,8 +51,7 @@ impl SoftStep {
                 preload: self.preload,
                 drift: Some(h),
                 extrapolates: false,
-                fall: gravity * h,
-                shaken,
+                smooth,
             };
             passes.push(soft);
             if substep % budget.substeps_per_rigid_sweep == 0 || last {

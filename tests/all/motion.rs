@@ -70,43 +70,42 @@ fn blocks_on_a_shaken_floor_slide_and_rock_as_they_should() {
     assert_met_but(shakes(Lab::shipped, 1.0 / 240.0), &["shaken at 3 Hz"]);
 }
 
-/// Within 1 mm/s; it was 5 to 8.
 #[test]
 fn what_is_spawned_sliding_has_friction_from_the_start() {
-    for dt in [1.0 / 60.0, 1.0 / 240.0] {
-        for value in slides_from_the_start(Lab::shipped, dt).list() {
-            println!("{value}");
-            assert!(
-                value.measured.is_some_and(|gained| gained.abs() < 1e-3),
-                "{value}"
-            );
-        }
-    }
+    // A box that stops after a step and a half swings back by 0.4 mm/s.
+    let known = ["level ground, 0.1 m/s"];
+    assert_met_but(slides_from_the_start(Lab::shipped, 1.0 / 60.0), &known);
+    slides_from_the_start(Lab::shipped, 1.0 / 240.0).assert_met();
 }
 
 #[test]
-fn friction_acts_in_a_bounce() {
-    for value in rods_bounce(Lab::shipped, 1.0 / 60.0).list() {
+fn friction_acts_in_a_blow() {
+    rods_bounce(Lab::shipped, 1.0 / 60.0).assert_met();
+    rods_bounce(Lab::shipped, 1.0 / 240.0).assert_met();
+}
+
+/// A block of 5 cm keeps 0.7 % less of its angular velocity at 60 Hz, and 0.4 % more at 240 Hz.
+#[test]
+fn blocks_rock_as_well_turned_far_away_small_and_large() {
+    assert_met_but(rocks_elsewhere(Lab::shipped, 1.0 / 60.0), &["of 5 cm"]);
+    assert_met_but(rocks_elsewhere(Lab::shipped, 1.0 / 240.0), &["of 5 cm"]);
+}
+
+/// A column of three and a wall swing back by up to 3 and 7 % too far.
+#[test]
+fn columns_walls_and_blocks_on_a_turning_floor_rock_as_a_whole() {
+    for value in rocks_together(Lab::shipped, 1.0 / 60.0).list() {
         println!("{value}");
-        let most = match (value.what.contains("60°"), value.what.contains("μ 0:")) {
-            (_, true) => 0.005,
-            (false, _) => 0.12,
-            (true, _) => 0.36,
+        let most = match (value.what.contains("of 3"), value.what.contains("wall")) {
+            (_, true) => 0.08,
+            (true, _) => 0.04,
+            _ => 0.02,
         };
-        assert!(value.measured.is_some_and(|error| error < most), "{value}");
-    }
-}
-
-#[test]
-#[ignore]
-fn temp_print() {
-    for dt in [1.0 / 60.0, 1.0 / 240.0, 0.1] {
-        for v in rocks_elsewhere(Lab::shipped, dt)
-            .list()
-            .into_iter()
-            .chain(rocks_together(Lab::shipped, dt).list())
-        {
-            println!("{dt:.4} {v}");
-        }
+        assert!(
+            value
+                .error()
+                .is_some_and(|error| error.abs() < most * value.reference),
+            "{value}"
+        );
     }
 }

@@ -228,21 +228,23 @@ pub fn rocks(settings: Settings, dt: f32) -> Values {
     values
 }
 
-/// What a block does that starts with about half of the angle at which it falls, and what it should do: means of five starts, since an
-/// impact comes at any time within a step.
+/// The number of starts of which the mean is taken, since an impact comes at any time within a step.
+const STARTS: usize = 20;
+
+/// What a block does that starts with about half of the angle at which it falls, and what it should do.
 fn means(settings: Settings, dt: f32, place: Place, slenderness: f32) -> [Rocked; 2] {
     let mut sums = [Rocked::default(); 2];
-    for i in 0..5 {
-        let share = 0.5 - 0.01 * i as f32;
+    for i in 0..STARTS {
+        let share = 0.5 - 0.004 * i as f32;
         sums[0].add(rock(settings, dt, place, slenderness, share));
         let block = block_of(slenderness, place.height);
         sums[1].add(truth(block, share as f64));
     }
     sums.map(|sum| Rocked {
-        kept: sum.kept / 5.0,
-        tenth: sum.tenth / 5.0,
-        swings: sum.swings / 5.0,
-        before: sum.before / 5.0,
+        kept: sum.kept / STARTS as f64,
+        tenth: sum.tenth / STARTS as f64,
+        swings: sum.swings / STARTS as f64,
+        before: sum.before / STARTS as f64,
     })
 }
 

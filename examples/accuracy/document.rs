@@ -22,7 +22,7 @@ pub fn write(records: &[Record], arches: &[Arch], momentum: &[Momentum]) -> Stri
             text += &format!("\n{}\n", case.note);
         }
     }
-    text + &by_number(arches) + &lost_momentum(momentum)
+    text + include_str!("motion.md") + &by_number(arches) + &lost_momentum(momentum)
 }
 
 /// How many values of each solver are missed at each step.

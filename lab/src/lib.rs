@@ -17,6 +17,7 @@
 //! | [`energy`] | the energy that loose bodies gain |
 //! | [`experiment`] | a scene under given settings, stepped and measured |
 //! | [`hashes`] | a hash of all poses and velocities of a simulation |
+//! | [`housner`] | a block that rocks, in double precision |
 //! | [`memory`] | the memory of this process |
 //! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
 //! | [`overlap`] | how deep two bodies are in each other, from shapes and poses alone |
@@ -39,6 +40,7 @@ pub mod blows;
 pub mod energy;
 pub mod experiment;
 pub mod hashes;
+pub mod housner;
 pub mod memory;
 pub mod metrics;
 pub mod output;

@@ -2,6 +2,7 @@
 
 use crate::busy::BusyTable;
 use crate::play::Play;
+use crate::rocking::Rocking;
 use crate::run::RunArguments;
 use crate::table::Table;
 use clap::{Parser, Subcommand};
@@ -36,6 +37,8 @@ pub enum Command {
     Busy(BusyTable),
     /// Measures what playing on a scene costs in drystone and Rapier, with sleeping on.
     Play(Play),
+    /// Draws how a block rocks in each engine and after Housner.
+    Rocking(Rocking),
 }
 
 #[cfg(test)]

@@ -20,6 +20,7 @@ mod peer;
 mod play;
 mod rapier;
 mod report;
+mod rocking;
 mod run;
 mod scene;
 mod table;
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
         Some(Command::Table(table)) => table.make(),
         Some(Command::Busy(busy)) => busy.make(),
         Some(Command::Play(play)) => play.print(),
+        Some(Command::Rocking(rocking)) => rocking.draw(),
         None => scenes(&arguments),
     };
     match done {

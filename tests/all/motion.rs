@@ -1,8 +1,8 @@
 //! What rocks, slides, is shaken and bounces, beside integrations in double precision. `docs/accuracy.md` has the same at more steps.
 
+use drystone_lab::housner::{Block, Lean};
 use std::f64::consts::PI;
 use support::Lab;
-use support::accuracy::housner::{Block, Lean};
 use support::accuracy::{
     Values, rocks_elsewhere, rocks_on, rocks_together, rods_bounce, shakes, slides_from_the_start,
 };

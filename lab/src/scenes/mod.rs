@@ -56,6 +56,8 @@ pub enum Scene {
     /// Blocks 1 × 0.25 × 0.5 m, one per course, that hang over the edge of a fixed one by ¾ of the ½ Hₙ (half the harmonic number,
     /// in lengths) at which they would fall.
     Cantilever(u32),
+    /// A block 1 m high and 1/n m wide that leans on one edge by half of the angle at which it falls.
+    Rocking(u32),
     /// A sphere that rolls at 1 m/s.
     Rolling,
     /// A slab that slides at 3 m/s.
@@ -154,7 +156,7 @@ impl Scene {
             | Self::Pressed(n) => count(n),
             Self::Chain(n) | Self::Bridge(n) => count(n) + 1,
             Self::Ragdolls(n) => 15 * count(n),
-            Self::Incline(_) | Self::Rolling | Self::Sliding => 1,
+            Self::Incline(_) | Self::Rocking(_) | Self::Rolling | Self::Sliding => 1,
             Self::Overlap(_) => 2,
             Self::Dropped => Self::Wall(6, 6).bodies() + 1,
             Self::Busy(busy) => busy.bodies(),
@@ -171,6 +173,7 @@ impl Scene {
             Self::Heap(_)
                 | Self::Pile(..)
                 | Self::Dominoes(_)
+                | Self::Rocking(_)
                 | Self::Rolling
                 | Self::Sliding
                 | Self::Dropped
@@ -219,6 +222,7 @@ impl Scene {
             Self::Pile(grain, n) => site.pile(grain, n),
             Self::Dominoes(n) => site.dominoes(n),
             Self::Incline(degrees) => site.incline(degrees),
+            Self::Rocking(n) => site.rocking(n),
             Self::Rolling => site.rolling(),
             Self::Sliding => site.sliding(),
             Self::Dropped => site.dropped(),
@@ -333,6 +337,7 @@ mod tests {
             "massratio:10",
             "cardhouse:3",
             "cantilever:4",
+            "rocking:8",
             "rolling",
             "sliding",
             "dropped",

@@ -1,6 +1,7 @@
 //! Scenes that move: heaps, slopes, rolling, sliding, dropped and overlapping bodies.
 
 use super::{Grain, Hand, Site};
+use crate::housner;
 use drystone::body::{Density, Pose, Velocity};
 use drystone::collider::Collider;
 use glam::{Quat, Vec3};
@@ -31,6 +32,28 @@ impl Site<'_> {
 
     pub(super) fn sliding(&mut self) -> Option<Hand> {
         self.slab(0.0, Vec3::X * 3.0);
+        None
+    }
+
+    /// It leans on its left lower edge.
+    pub(super) fn rocking(&mut self, slenderness: u32) -> Option<Hand> {
+        self.ground(0.0);
+        let block = housner::Block::new(1.0 / f64::from(slenderness), 1.0, 9.81);
+        let rotation = Quat::from_rotation_z((0.5 * block.alpha) as f32);
+        let edge = -0.5 * Vec3::new(1.0 / slenderness as f32, 1.0, 0.0);
+        let lifted = self.options.vertical_gap * Vec3::Y;
+        let pose = Pose {
+            position: lifted + edge.x * Vec3::X - rotation * edge,
+            rotation,
+        };
+        let size = Vec3::new(1.0 / slenderness as f32, 1.0, 1.0);
+        self.exactly(
+            "block",
+            Collider::cuboid(size.x, size.y, size.z),
+            Density::DEFAULT,
+            pose,
+            Velocity::default(),
+        );
         None
     }
 

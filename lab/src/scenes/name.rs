@@ -10,7 +10,7 @@ use std::str::FromStr;
 /// How every scene is called.
 pub const KNOWN: &str = "wall:WxH, stack:N, pyramid:N, tower:N, arch:N, dome:N, castle:N, heap:N, \
     pile:balls|capsules|cylinders|hulls:N, dominoes:N, incline:DEG, massratio:R[xN], cardhouse:N, \
-    cantilever:N, rolling, sliding, dropped, overlap:M, pressed:N, chain:N, bridge:N, \
+    cantilever:N, rocking:N, rolling, sliding, dropped, overlap:M, pressed:N, chain:N, bridge:N, \
     ragdolls:N, large_pyramid:N, many_pyramids:N, joint_grid:[seven:|corner:]N, rain:N, convex_pile:N, smash:N, \
     spinner:N, tumbler:kinematic|hinge:N, washer:N, junkyard:N, mesh_drop:N, field_drop:N, \
     compounds:NxPARTS, voxels:NxCUBES, large_world:N, flyers:N:SPEED";
@@ -173,6 +173,7 @@ impl Scene {
             "chain" => Self::Chain(count()?),
             "bridge" => Self::Bridge(count()?),
             "ragdolls" => Self::Ragdolls(count()?),
+            "rocking" => Self::Rocking(count()?),
             "rolling" if size.is_empty() => Self::Rolling,
             "sliding" if size.is_empty() => Self::Sliding,
             "dropped" if size.is_empty() => Self::Dropped,
@@ -203,6 +204,7 @@ impl fmt::Display for Scene {
             Self::MassRatio(ratio, n) => write!(f, "massratio:{ratio}x{n}"),
             Self::CardHouse(n) => write!(f, "cardhouse:{n}"),
             Self::Cantilever(n) => write!(f, "cantilever:{n}"),
+            Self::Rocking(n) => write!(f, "rocking:{n}"),
             Self::Rolling => f.write_str("rolling"),
             Self::Sliding => f.write_str("sliding"),
             Self::Dropped => f.write_str("dropped"),
@@ -238,6 +240,7 @@ mod tests {
             "massratio:1000x3",
             "cardhouse:3",
             "cantilever:4",
+            "rocking:8",
             "rolling",
             "sliding",
             "dropped",

@@ -5,9 +5,10 @@
 //! E⁺ − E⁻ = ½ λᵀ(u⁺ + u⁻), and where λ is not zero u⁺ is −e u⁻. Arms that turn do not satisfy this, so a bounce that would gain energy is
 //! weakened.
 //!
-//! Friction acts in the bounce by Coulomb's law, within the cone of the impulses of the whole blow: those with which the substeps have
-//! stopped a point, and those of its bounce. With Newton's law for the normal velocity, as here, a point that begins to slide in the blow
-//! slides on as under Poisson's law.
+//! Friction acts in the bounce by Coulomb's law. Where one patch bounces, it acts within the cone of the impulses of the whole blow: those
+//! with which the substeps have stopped a point, and those of its bounce. Where several do, it acts within the cone of the bounce, since
+//! friction that ties bricks to each other would make a wall bounce like one body. With Newton's law for the normal velocity, as here, a
+//! point that begins to slide in the blow slides on as under Poisson's law.
 //!
 //! Slender bodies take no [blows](super::soft_step::blows), in which friction acts as well; so their points that land take part here, and
 //! leave at rest.
@@ -108,7 +109,7 @@ struct Taking {
     bounces: bool,
     /// Normal velocity to leave with, m/s; 0 for a point that does not bounce.
     leave: f32,
-    /// Lower bound of its impulse, N·s. A point may lose the impulse with which it was stopped, or which it carries.
+    /// Lower bound of its impulse, N·s. A point that does not leave may lose the impulse with which it was stopped, or which it carries.
     least: f32,
     /// Coefficient of friction.
     friction: f32,
@@ -149,7 +150,7 @@ impl Taking {
         let slides =
             (self.velocity(bodies) - self.along).reject_from_normalized(self.row.direction);
         let wanted = self.held + self.rubbed - slides / self.yields;
-        let most = self.friction * (self.stopped + self.row.impulse);
+        let most = self.friction * (self.stopped + self.row.impulse).max(0.0);
         let rubbed = wanted.clamp_length_max(most) - self.held;
         let change = rubbed - std::mem::replace(&mut self.rubbed, rubbed);
         bodies[self.bodies[0]].apply(change, self.row.arms[0]);
@@ -225,6 +226,13 @@ fn group(rows: &mut [Taking], bodies: &[Body]) {
     sort::by_key(rows, |taking| taking.group);
 }
 
+/// Whether all points of a group that bounce are of one patch.
+fn of_one_patch(group: &[Taking]) -> bool {
+    let mut patches = group.iter().filter(|taking| taking.bounces);
+    let first = patches.next();
+    patches.all(|taking| Some(taking.patch) == first.map(|first| first.patch))
+}
+
 /// Bounces one group.
 fn throw(group: &mut [Taking], points: &[PatchPoint], bodies: &mut [Body], pushes: &[[Vec3; 2]]) {
     let mut ends: Vec<usize> = group.iter().flat_map(|taking| taking.bodies).collect();
@@ -237,6 +245,11 @@ fn throw(group: &mut [Taking], points: &[PatchPoint], bodies: &mut [Body], pushe
     let speeds = group.iter().filter(|taking| taking.bounces);
     let speeds = speeds.map(|taking| taking.leave.max(taking.stopped * taking.row.response));
     let fastest = speeds.fold(0.0, f32::max);
+    if !of_one_patch(group) {
+        for taking in group.iter_mut() {
+            (taking.stopped, taking.held) = (0.0, Vec3::ZERO);
+        }
+    }
     for patch in group.chunk_by_mut(|a, b| a.patch == b.patch) {
         throw_together(patch, points, bodies);
     }
@@ -308,6 +321,7 @@ fn rows(problem: &PatchProblem, bouncing: &[Bouncing], substeps: usize) -> Vec<T
                 bounces: bounces.is_some(),
                 leave: bounces.map_or(0.0, |bouncing| bouncing.leave),
                 least: match bounces {
+                    Some(bouncing) if bouncing.leave > 0.0 => 0.0,
                     Some(_) => -point.normal,
                     None => -point.normal_impulse / substeps as f32,
                 },

@@ -1,6 +1,5 @@
 //! Bodies that rock, slide, are shaken and are struck, beside integrations in double precision.
 
-pub mod housner;
 mod rocking;
 mod rods;
 mod shaking;

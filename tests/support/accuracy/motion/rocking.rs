@@ -1,7 +1,6 @@
 //! Rows 14 and 21: blocks that rock freely.
 
 use super::at_step;
-use super::housner::{Block, Lean};
 use crate::accuracy::shapes::hull_box;
 use crate::accuracy::{Settings, Values};
 use crate::{G, Lab};
@@ -10,6 +9,7 @@ use bevy_transform::components::Transform;
 use drystone::body::RigidBody;
 use drystone::collider::{Collider, Friction};
 use drystone::settings::Gravity;
+use drystone_lab::housner::{Block, Lean};
 use glam::{EulerRot, Quat, Vec3};
 
 /// Height of the blocks, m.

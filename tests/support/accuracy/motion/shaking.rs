@@ -1,7 +1,6 @@
 //! Row 22: blocks on a floor that is shaken.
 
 use super::at_step;
-use super::housner::Lean;
 use super::rocking::{HEIGHT, block_of, lean_of};
 use crate::accuracy::{Settings, Values, threshold};
 use crate::{G, Lab};
@@ -9,6 +8,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::RigidBody;
 use drystone::collider::{Collider, Friction};
+use drystone_lab::housner::Lean;
 use glam::{Quat, Vec3};
 use std::f64::consts::{PI, TAU};
 

@@ -17,7 +17,9 @@ pub struct Block {
 /// How far a block leans, rad, and how fast, rad/s. Positive about the left edge.
 #[derive(Clone, Copy, Debug)]
 pub struct Lean {
+    /// rad
     pub angle: f64,
+    /// rad/s
     pub speed: f64,
 }
 

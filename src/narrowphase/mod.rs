@@ -281,9 +281,9 @@ const LITTLE_TURN: f32 = 1e-4;
 /// Bodies that turn by more than this in a step keep their lever arms, rad.
 const MAX_TURN: f32 = 0.4;
 
-/// Whether bodies that press on each other rock: one on the other, or both together. Then lever arms turn with them, and are those of the
-/// middle of the step in a solve. Arms that stay as they were at the detection act like a torque against the motion: a block that rocks
-/// would lose two thirds of its swings.
+/// Whether one of two bodies that press on each other rocks on the other. Then lever arms turn with them, and are those of the middle of
+/// the step in a solve. Arms that stay as they were at the detection act like a torque against the motion: a block that rocks would lose
+/// two thirds of its swings.
 fn are_rocking(
     since: &Since,
     bodies: [&BodyState; 2],
@@ -293,19 +293,15 @@ fn are_rocking(
 ) -> bool {
     let turned_far = since.turned() > LITTLE_TURN;
     turned_far && impulses.carries() && {
-        let spins = bodies.map(|body| body.velocity.angular);
-        let fastest = |of: fn(Vec3, Vec3) -> f32| {
-            spins
-                .into_iter()
-                .map(|spin| of(spin, normal))
-                .fold(0.0, f32::max)
-        };
-        let across = fastest(|spin, normal| spin.reject_from_normalized(normal).length_squared());
-        // A top spins about the normal, and does not rock. On a floor that turns, bodies turn with it.
-        let along = (spins[0] - spins[1]).dot(normal);
+        // Bodies on a floor that turns, or in a drum, turn with it.
+        let [a, b] = bodies.map(|body| body.velocity.angular);
+        let spin = a - b;
+        // A top spins about the normal, and does not rock.
+        let along = spin.dot(normal);
+        let across = spin.length_squared() - along * along;
         let most = MAX_TURN / dt;
         across > (along * along).max(ROCKING_SPEED * ROCKING_SPEED)
-            && fastest(|spin, _| spin.length_squared()) < most * most
+            && a.length_squared().max(b.length_squared()) < most * most
     }
 }
 

@@ -166,7 +166,7 @@ impl ContactPair {
         self.flags.set(PairFlags::HOOKED, hooked);
     }
 
-    /// Whether its bodies rock on each other or together, so that its lever arms are those of the middle of the step in a solve.
+    /// Whether one of its bodies rocks on the other, so that its lever arms are those of the middle of the step in a solve.
     pub(crate) fn rocks(&self) -> bool {
         self.flags.has(PairFlags::ROCKS)
     }

@@ -4,8 +4,7 @@
 //! stacks steadier: lever arms that are computed anew in every step pump energy into tall stacks. Box2D, Box3D and Rapier recycle contacts
 //! for the same reasons.
 //!
-//! Arms of bodies that rock are carried along with them: a block that rocks would lose much of its energy by arms
-//! that lag behind.
+//! Arms of bodies that rock are carried along with them: a block that rocks would lose much of its energy by arms that lag behind.
 //!
 //! Bodies on a turntable, in a drum or in a toppling tower turn together. Their manifold is turned with them, with the larger of the two.
 //!

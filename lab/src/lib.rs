@@ -22,6 +22,7 @@
 //! | [`metrics`] | the meters: penetration, drift, sag, tilt, jitter, energy |
 //! | [`overlap`] | how deep two bodies are in each other, from shapes and poses alone |
 //! | [`play`] | a player who lays, takes and throws |
+//! | [`quake`] | structures on a shaking table |
 //! | [`report`] | the result of an experiment as JSON |
 //! | [`solvers`] | solvers from the literature, as baselines |
 //! | [`slopes`] | mixed bodies dropped on hills, and who of them does not come to rest |
@@ -50,6 +51,7 @@ pub mod pictures;
 pub mod play;
 #[cfg(feature = "plots")]
 pub mod plots;
+pub mod quake;
 pub mod report;
 pub mod scenes;
 pub mod slopes;

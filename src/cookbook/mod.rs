@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`pause`] | Pause, slow motion and single steps |
 //! | [`platform`] | A platform that carries bricks |
+//! | [`earthquake`] | An earthquake |
 //! | [`conveyor`] | A conveyor belt |
 //! | [`one_way`] | A platform to jump through |
 //! | [`layers`] | Layers, ghosts and exceptions |
@@ -39,6 +40,9 @@ pub mod pause {}
 
 #[doc = include_str!("playing/platform.md")]
 pub mod platform {}
+
+#[doc = include_str!("playing/earthquake.md")]
+pub mod earthquake {}
 
 #[doc = include_str!("playing/conveyor.md")]
 pub mod conveyor {}

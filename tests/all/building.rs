@@ -669,7 +669,8 @@ fn undone_after_things_have_fallen() -> f32 {
             .iter()
             .position(|&brick| brick == moved.body)
             .unwrap();
-        assert_eq!(moved.to, fallen[i]);
+        // What it has moved by since the edit before does not count if it is little.
+        assert!(moved.to.position.distance(fallen[i].position) < 1e-4);
         assert!(moved.from.position.distance(before[i].position) < 1e-3);
         // So all of it can be put back.
         let at = Transform::from_translation(moved.from.position);

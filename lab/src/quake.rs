@@ -179,7 +179,7 @@ impl Structure {
             let position = metrics::watch(&world, body).0.position;
             (position - moved).distance(start)
         });
-        let (fallen, standing): (Vec<f32>, Vec<f32>) = off.partition(|off| !(*off <= FALLEN));
+        let (standing, fallen): (Vec<f32>, Vec<f32>) = off.partition(|off| *off <= FALLEN);
         Ok(Shaken {
             fallen: fallen.len(),
             offset: standing.into_iter().fold(0.0, f32::max),

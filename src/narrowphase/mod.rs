@@ -226,6 +226,7 @@ fn look(
         cache.last_pose.forget();
         impulses.points.fill(Default::default());
         impulses.patches.fill(Default::default());
+        impulses.friction.fill(Default::default());
         anchors.points.fill(Default::default());
         anchors.patches.fill(Default::default());
         anchors.measured = None;

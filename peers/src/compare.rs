@@ -6,7 +6,6 @@ use crate::own::Drystone;
 use crate::run::{Course, RunArguments};
 use crate::scene::{self, Conditions, Start};
 use drystone::prelude::RigidBody;
-use drystone::settings::Gravity;
 use drystone_lab::scenes::Scene;
 
 /// The results of a scene in all engines.
@@ -36,12 +35,7 @@ pub struct Entry {
 pub fn compare(scene: Scene, seed: u64, arguments: &RunArguments) -> Result<Comparison, String> {
     let (conditions, course) = (arguments.conditions(scene), arguments.course(scene));
     let (run, bodies, joints) = scene::build(scene, seed, conditions)?;
-    let start = Start {
-        bodies: &bodies,
-        joints: &joints,
-        gravity: run.world.resource::<Gravity>().0,
-        conditions,
-    };
+    let start = Start::of(&run, &bodies, &joints, conditions);
     let mut engines: Vec<Box<dyn Engine>> = Vec::new();
     let mut refused = Vec::new();
     for peer in arguments.peers() {

@@ -7,7 +7,7 @@ use crate::peer::Peer;
 use crate::rapier;
 use crate::scene::{self, Conditions, Start};
 use clap::Args;
-use drystone::prelude::{Gravity, Pose};
+use drystone::prelude::Pose;
 use drystone_lab::housner::{Block, Lean};
 use drystone_lab::plots::{Area, Canvas, Stroke, bring_font, legend};
 use drystone_lab::scenes::{Ground, Scene};
@@ -72,12 +72,7 @@ fn lines(n: u32, dt: f32) -> Result<Vec<Line>, String> {
     lines.push(line(Drystone::new(run.world, &bodies, dt), &bodies, dt));
     for &peer in Peer::BUILT {
         let (run, bodies, joints) = build()?;
-        let start = Start {
-            bodies: &bodies,
-            joints: &joints,
-            gravity: run.world.resource::<Gravity>().0,
-            conditions,
-        };
+        let start = Start::of(&run, &bodies, &joints, conditions);
         let options = rapier::Options {
             iterations: None,
             ground: rapier::Ground::Slab,
@@ -162,7 +157,8 @@ fn panel(area: &Area, title: &str, lines: &[Line]) -> Result<(), Box<dyn Error>>
         .axis_desc_style(("sans-serif", 16))
         .light_line_style(WHITE)
         .x_label_formatter(&|x| format!("{x:.0}"))
-        .y_label_formatter(&|y| format!("{y:.1}"))
+        // Without a sign before zero.
+        .y_label_formatter(&|y: &f64| format!("{:.1}", (10.0 * y).round() / 10.0 + 0.0))
         .draw()?;
     for (i, (line, (r, g, b))) in lines.iter().zip(COLORS).enumerate() {
         let style = RGBColor(r, g, b).stroke_width(if i == 0 { 5 } else { 2 });

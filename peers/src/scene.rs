@@ -8,8 +8,8 @@ use crate::joint::{self, Joint};
 use bevy_ecs::entity::Entity;
 use bevy_transform::components::Transform;
 use drystone::prelude::{
-    Collider, CollisionLayers, Density, Friction, Mass, Pose, Restitution, RigidBody, Vec3,
-    Velocity,
+    Collider, CollisionLayers, Density, Friction, Gravity, Mass, Pose, Restitution, RigidBody,
+    Vec3, Velocity,
 };
 use drystone::settings::{PhysicsThreads, Preset};
 use drystone_lab::experiment::{Experiment, Run};
@@ -40,6 +40,18 @@ pub struct Start<'a> {
     /// m/s²
     pub gravity: Vec3,
     pub conditions: Conditions,
+}
+
+impl<'a> Start<'a> {
+    /// The scene of a run that has not begun.
+    pub fn of(run: &Run, bodies: &'a [Body], joints: &'a [Joint], conditions: Conditions) -> Self {
+        Self {
+            bodies,
+            joints,
+            gravity: run.world.resource::<Gravity>().0,
+            conditions,
+        }
+    }
 }
 
 /// Builds a scene in drystone, with its default settings.

@@ -17,7 +17,6 @@ use drystone::body::MassProperties;
 use drystone::prelude::{
     Collider, Friction, Pose, Quat, RigidBody, SphericalJoint, Vec3, Velocity,
 };
-use drystone::settings::Gravity;
 use drystone_lab::experiment::Run;
 use drystone_lab::metrics::Displacement;
 use drystone_lab::scenes;
@@ -49,12 +48,7 @@ fn all_with(
     let (mut run, _, joints) = scene::build(scene.parse().unwrap(), 1, CONDITIONS).unwrap();
     change(&mut run);
     let bodies = scene::read(&mut run);
-    let start = Start {
-        bodies: &bodies,
-        joints: &joints,
-        gravity: run.world.resource::<Gravity>().0,
-        conditions: CONDITIONS,
-    };
+    let start = Start::of(&run, &bodies, &joints, CONDITIONS);
     let peers = Peer::BUILT.iter();
     let mut engines: Vec<_> = peers
         .map(|peer| peer.start(&start, options(ground)).unwrap())
@@ -379,12 +373,7 @@ fn filters_hold_in_all() {
 fn energy_is_kept() {
     for (scene, lost) in [("flyers:2:5", 1e-4), ("joint_grid:corner:4", 0.2)] {
         let (run, bodies, joints) = scene::build(scene.parse().unwrap(), 1, CONDITIONS).unwrap();
-        let start = Start {
-            bodies: &bodies,
-            joints: &joints,
-            gravity: run.world.resource::<Gravity>().0,
-            conditions: CONDITIONS,
-        };
+        let start = Start::of(&run, &bodies, &joints, CONDITIONS);
         let engine = Drystone::new(run.world, &bodies, CONDITIONS.dt);
         let mut metered = Metered::new(engine, &start);
         metered.steps(60);

@@ -61,8 +61,8 @@ fn drag(b: &BodyState, anchor: &mut PatchAnchor, normal: Vec3, center: Vec3, by:
     );
 }
 
-/// Writes the anchors of bodies that rock anew, with the slip that they have. An anchor that stayed would draw a body that
-/// rocks onto its other edge back to where that edge was when the anchor was set.
+/// Writes the anchors of bodies that rock anew, with the slip that they have. An anchor that stayed would draw a body that rocks onto its
+/// other edge back to where that edge was when the anchor was set.
 fn follow_rocking(
     manifold: &Manifold,
     targets: &ContactTargets,

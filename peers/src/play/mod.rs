@@ -9,7 +9,6 @@ use crate::run::{length, threads};
 use crate::scene::{self, Conditions, Start};
 use bevy_ecs::world::World;
 use clap::Args;
-use drystone::settings::Gravity;
 use drystone_lab::play::{Cost, Script, Session};
 use drystone_lab::scenes::{Ground, Scene};
 use rows::{Row, figures};
@@ -95,12 +94,7 @@ impl Play {
             sleeping: true,
         };
         let (run, bodies, joints) = scene::build(scene, self.seed, conditions)?;
-        let start = Start {
-            bodies: &bodies,
-            joints: &joints,
-            gravity: run.world.resource::<Gravity>().0,
-            conditions,
-        };
+        let start = Start::of(&run, &bodies, &joints, conditions);
         let options = rapier::Options {
             iterations: None,
             ground: rapier::Ground::Slab,

@@ -105,7 +105,7 @@ struct Taking {
     /// Its group; points of other groups have no part in its bounce.
     group: u32,
     bodies: [usize; 2],
-    /// It was stopped, and leaves.
+    /// It was stopped, and takes part in the bounce with a velocity of its own.
     bounces: bool,
     /// Normal velocity to leave with, m/s; 0 for a point that does not bounce.
     leave: f32,
@@ -228,9 +228,12 @@ fn group(rows: &mut [Taking], bodies: &[Body]) {
 
 /// Whether all points of a group that bounce are of one patch.
 fn of_one_patch(group: &[Taking]) -> bool {
-    let mut patches = group.iter().filter(|taking| taking.bounces);
+    let mut patches = group
+        .iter()
+        .filter(|taking| taking.bounces)
+        .map(|taking| taking.patch);
     let first = patches.next();
-    patches.all(|taking| Some(taking.patch) == first.map(|first| first.patch))
+    patches.all(|patch| Some(patch) == first)
 }
 
 /// Bounces one group.

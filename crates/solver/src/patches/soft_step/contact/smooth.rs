@@ -26,8 +26,8 @@ pub struct Smooth {
 }
 
 impl Smooth {
-    /// For bodies that are not round: those roll in valleys, and come to rest only if drift damps them. None is smooth if joints, grabs or
-    /// moving surfaces act on the bodies.
+    /// The smooth motions of a problem without round bodies: these roll in valleys, and come to rest only if drift damps them. If joints,
+    /// grabs or moving surfaces act on the bodies, none is smooth.
     pub fn of(problem: &PatchProblem) -> Self {
         let accelerates = |body: &Body| body.inverse_mass == 0.0 && body.push() != [Vec3::ZERO; 2];
         match problem.has_only_contacts() {

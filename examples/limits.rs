@@ -1,10 +1,11 @@
 //! The limit at which masonry falls in the simulation, compared with the limit from statics, in one table for each family.
 //!
 //! `cargo run --release --example limits` bisects all limits and writes `target/limits.md`; it fails if one is too far from the true one.
-//! With names of families (`-- tilts columns wedges flat_arches arches`) it bisects only those.
+//! With names of families (`-- tilts tables columns wedges flat_arches arches`) it bisects only those.
 //!
 //! `tilts` says where a structure on a slope falls at 60 Hz, 30 Hz and a Δt of 0.1 s, in % of its limit, built there or built upright and
-//! tipped slowly. `~` marks a structure that does not come to rest just short of that. The other families are built in four ways, of hulls
+//! tipped slowly. `~` marks a structure that does not come to rest just short of that. `tables` does the same for walls with and without
+//! return walls that limit analysis of the library knows, with one and four times the usual effort. The other families are built in four ways, of hulls
 //! and of their true contacts, at once and under weight that grows slowly.
 
 use std::error::Error;
@@ -15,6 +16,7 @@ use support::masonry::limit::{Limit, SHARE};
 use support::masonry::limits::{arches, columns, wedges};
 use support::masonry::site::{End, How};
 use support::masonry::slope::{FAST, NEAR, SLOW, STEPS, Slope, Structure};
+use support::masonry::tables::Tilted;
 
 /// The load at which something falls, as a share of its limit.
 struct Found {
@@ -105,6 +107,29 @@ impl Report {
         }
     }
 
+    fn tables(&mut self) {
+        self.line(
+            "\n| wall on a tilting table | limit | 60 Hz | 240 Hz | 60 Hz, effort 4 |\n|---|---|---|---|---|".into(),
+        );
+        for wall in Tilted::all() {
+            let mut limit = 0.0;
+            let found = [(60.0, 1.0), (240.0, 1.0), (60.0, 4.0)].map(|(rate, effort)| {
+                let mut table = wall.build(1.0 / rate, effort);
+                limit = table.limit.to_degrees();
+                table.falls_at().unwrap_or(f32::INFINITY)
+            });
+            let cells = found.map(|share| format!("{:.1}", 100.0 * share));
+            if found
+                .iter()
+                .any(|share| (f64::from(*share) - 1.0).abs() > SHARE)
+            {
+                self.missed.push(wall.name());
+            }
+            let (what, cells) = (wall.name(), cells.join(" | "));
+            self.line(format!("| {what} | {limit:.2}° | {cells} |"));
+        }
+    }
+
     fn limits(&mut self, limits: Vec<Limit>) {
         self.line("\n| limit | built of | built | by statics | simulated, % beyond |\n|---|---|---|---|---|".into());
         for limit in limits {
@@ -127,6 +152,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut report = Report::default();
     if is_chosen("tilts") {
         report.tilts();
+    }
+    if is_chosen("tables") {
+        report.tables();
     }
     if is_chosen("columns") {
         report.limits(columns::COLUMNS.map(columns::column).into());

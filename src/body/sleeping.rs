@@ -11,9 +11,9 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 ///
 /// An island of bodies that touch falls asleep when all its bodies have been slower than [`SleepSettings`](crate::settings::SleepSettings)
 /// says for [`delay`](crate::settings::SleepSettings::delay) (0.5 s), and are at rest: by how they moved meanwhile, each of them would move
-/// by less than 1 mm in the next ten seconds. Bodies that move slowly but steadily, or speed up, stay awake. Bodies that nothing drives and
-/// that dry contacts hold may creep evenly by up to [`linear_speed`](crate::settings::SleepSettings::linear_speed), because solvers let
-/// heaps creep.
+/// by less than 1 mm in the next ten seconds, or by less than a thousandth of its radius if that is more. Bodies that move slowly but
+/// steadily, or speed up, stay awake. Bodies that nothing drives and that dry contacts hold may creep evenly by up to
+/// [`linear_speed`](crate::settings::SleepSettings::linear_speed), because solvers let heaps creep.
 ///
 /// # What wakes them
 ///

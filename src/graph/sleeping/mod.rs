@@ -71,17 +71,18 @@ pub fn sleeping(
         if restless[island] {
             continue;
         }
-        let rests = match islands
-            .drifts
-            .of(slot, settings.linear_speed, settings.delay)
-        {
-            Drifting::Rests => true,
-            Drifting::Goes => false,
-            Drifting::Creeps => {
-                let is_driven = || holding.is_driven(islands, island);
-                holding.holds(slot, state) && !*driven[island].get_or_insert_with(is_driven)
-            }
-        };
+        let rests =
+            match islands
+                .drifts
+                .of(slot, state.radius, settings.linear_speed, settings.delay)
+            {
+                Drifting::Rests => true,
+                Drifting::Goes => false,
+                Drifting::Creeps => {
+                    let is_driven = || holding.is_driven(islands, island);
+                    holding.holds(slot, state) && !*driven[island].get_or_insert_with(is_driven)
+                }
+            };
         restless[island] = !rests;
     }
     for mut body in &mut bodies {

@@ -5,8 +5,10 @@
 
 use drystone::settings::SolverSettings;
 use drystone::solver::SoftStep;
+use glam::Vec3;
 use support::masonry::site::End;
 use support::masonry::slope::{FAST, NEAR, SLOW, STEPS, Slope, Structure};
+use support::masonry::tables::Tilted;
 
 /// Asserts that all stand short of their limits and fall past them at steps of so many seconds, as they are built there.
 #[track_caller]
@@ -171,4 +173,44 @@ fn an_arch_tipped_slowly_falls_at_its_limit_at_30_hz() {
 #[test]
 fn an_arch_tipped_slowly_falls_at_its_limit_at_a_tenth_of_a_second() {
     settled_met(&[Structure::arch()], STEPS[2]);
+}
+
+/// The share of the limit by which a wall on a table may fall too early or too late.
+const TABLE: f32 = 0.03;
+
+/// Asserts that walls on a tilting table fall at the angle of limit analysis. The springs of their joints let them lean and slide before
+/// that, so the solver takes four times as many sweeps.
+#[track_caller]
+fn tables_met(is_in: impl Fn(&Tilted) -> bool) {
+    let mut missed = Vec::new();
+    for wall in Tilted::all().into_iter().filter(is_in) {
+        let mut table = wall.build(1.0 / 60.0, 4.0);
+        let stands = [1.0 - TABLE, 1.0 + TABLE].map(|share| table.tilt(share));
+        let degrees = table.limit.to_degrees();
+        println!("{}, limit {degrees:.2}°: {stands:?}", wall.name());
+        if stands != [true, false] {
+            missed.push(wall.name());
+        }
+    }
+    assert!(missed.is_empty(), "{missed:#?}");
+}
+
+/// These tip as one, or slide.
+fn is_simple(wall: &Tilted) -> bool {
+    match wall.towards == Vec3::X {
+        true => wall.returns == (wall.leaves == 2),
+        false => !wall.returns,
+    }
+}
+
+#[test]
+fn walls_on_a_tilting_table_fall_where_limit_analysis_says() {
+    tables_met(is_simple);
+}
+
+#[test]
+#[ignore = "missed: a double leaf in its plane 97 %; with return walls, out of the plane 96.5 %, as at 1/1920 s, and a single leaf in its \
+    plane 88.5 %, at 1/1920 s 92.5 %"]
+fn walls_that_crack_fall_where_limit_analysis_says() {
+    tables_met(|wall| !is_simple(wall));
 }

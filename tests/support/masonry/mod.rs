@@ -7,4 +7,5 @@ pub mod limits;
 pub mod site;
 pub mod slope;
 pub mod statics;
+pub mod tables;
 mod truth;

@@ -14,9 +14,12 @@ const GAINED: f64 = 3e-3;
 /// Overlap in the end, m.
 const OVERLAP: f32 = 0.008;
 
+/// Asserts that rods gain nothing, and that of the six piles at least `sleep` are asleep after ten seconds. (Wanted are six. Of all 45 of
+/// `--example energy -- --only rods --seeds 5` 34 are, and were 24 when the ends of long rods had to be as slow as small bodies.)
 #[track_caller]
-fn gain_nothing(lie: Lie) {
+fn gain_nothing(lie: Lie, sleep: usize) {
     let mut missed = Vec::new();
+    let mut asleep = 0;
     for thick in [0.2, 0.1, 0.05] {
         let rods = Loose::Rods {
             count: 30,
@@ -33,49 +36,29 @@ fn gain_nothing(lie: Lie) {
                 fall.asleep
             );
             println!("{found}");
+            asleep += usize::from(fall.asleep.is_some());
             if fall.gained > GAINED * fall.first || fall.overlap > OVERLAP {
                 missed.push(found);
             }
         }
     }
     assert!(missed.is_empty(), "{missed:#?}");
+    assert!(asleep >= sleep, "{asleep} sleep");
 }
 
 #[test]
 fn rods_in_crossed_layers_gain_nothing() {
-    gain_nothing(Lie::Crossed);
+    gain_nothing(Lie::Crossed, 4);
 }
 
 #[test]
 fn rods_of_any_heading_gain_nothing() {
-    gain_nothing(Lie::Headings);
+    gain_nothing(Lie::Headings, 2);
 }
 
 #[test]
 fn rods_turned_in_any_way_gain_nothing() {
-    gain_nothing(Lie::Anyhow);
-}
-
-/// Their ends creep by half a millimetre in a second for long, which is nothing for a rod of ten metres. Wanted are 43.
-#[test]
-fn most_piles_of_rods_sleep_within_ten_seconds() {
-    let (mut asleep, mut all) = (0, 0);
-    for lie in [Lie::Crossed, Lie::Headings, Lie::Anyhow] {
-        for thick in [0.2, 0.1, 0.05] {
-            let rods = Loose::Rods {
-                count: 30,
-                thick,
-                lie,
-            };
-            for seed in 1..=5 {
-                let fall = rods.run(seed, 1.0 / 60.0, 10.0);
-                asleep += usize::from(fall.asleep.is_some());
-                all += 1;
-            }
-        }
-    }
-    println!("{asleep} of {all}");
-    assert!(asleep >= 30, "{asleep} of {all}");
+    gain_nothing(Lie::Anyhow, 2);
 }
 
 /// Its end moves by a millimetre in a second when it has been still for half a second. That is as slow as an end of a rod may creep.

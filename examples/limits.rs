@@ -116,13 +116,10 @@ impl Report {
             let found = [(60.0, 1.0), (240.0, 1.0), (60.0, 4.0)].map(|(rate, effort)| {
                 let mut table = wall.build(1.0 / rate, effort);
                 limit = table.limit.to_degrees();
-                table.falls_at().unwrap_or(f32::INFINITY)
+                table.falls_at().unwrap_or(f64::INFINITY)
             });
             let cells = found.map(|share| format!("{:.1}", 100.0 * share));
-            if found
-                .iter()
-                .any(|share| (f64::from(*share) - 1.0).abs() > SHARE)
-            {
+            if found.iter().any(|share| (share - 1.0).abs() > SHARE) {
                 self.missed.push(wall.name());
             }
             let (what, cells) = (wall.name(), cells.join(" | "));

@@ -1,10 +1,10 @@
 //! Structures on a slope that can be tipped, and the limits at which they fall by statics.
 
-use crate::G;
 use crate::masonry::blocks::Masonry;
 use crate::masonry::drawings::{arch, stack, wall};
 use crate::masonry::site::{As, End, Site};
 use crate::masonry::statics::limit_tilt;
+use crate::{G, Lab};
 use drystone::settings::Gravity;
 use glam::DVec3;
 
@@ -81,6 +81,19 @@ impl Structure {
     }
 }
 
+/// Turns gravity as if the ground were tilted by an angle, rad, so that what stands on it leans in this direction.
+pub fn tip(lab: &mut Lab, angle: f64, towards: DVec3) {
+    let (sin, cos) = angle.sin_cos();
+    let down = cos * DVec3::NEG_Y + sin * towards;
+    lab.world.resource_mut::<Gravity>().0 = G * down.as_vec3();
+}
+
+/// The tilts of the steps of `dt` s from one tilt to another, at so much a second.
+pub fn tilts([from, to]: [f64; 2], rate: f64, dt: f32) -> impl Iterator<Item = f64> {
+    let steps = ((to - from) / (rate * f64::from(dt))).ceil() as usize;
+    (1..=steps).map(move |step| from + (to - from) * step as f64 / steps as f64)
+}
+
 /// A structure on a slope.
 pub struct Slope {
     pub site: Site,
@@ -106,17 +119,15 @@ impl Slope {
 
     fn tip(&mut self, tilt: f64) {
         self.tilt = tilt;
-        let (sin, cos) = (tilt * self.structure.limit).sin_cos();
-        let down = cos * DVec3::NEG_Y + sin * self.structure.towards;
-        self.site.lab.world.resource_mut::<Gravity>().0 = G * down.as_vec3();
+        let angle = tilt * self.structure.limit;
+        tip(&mut self.site.lab, angle, self.structure.towards);
     }
 
     /// Tips it on to there, where it is not beyond, at so many shares of the limit a second; false if it falls on the way.
     pub fn turn(&mut self, to: f64, rate: f64) -> bool {
-        let (from, dt) = (self.tilt, self.site.lab.dt as f64);
-        let steps = ((to - from) / (rate * dt)).ceil() as usize;
-        (1..=steps).all(|step| {
-            self.tip(from + (to - from) * step as f64 / steps as f64);
+        let mut tilts = tilts([self.tilt, to], rate, self.site.lab.dt);
+        tilts.all(|tilt| {
+            self.tip(tilt);
             self.site.lab.step();
             self.site.moved() < FALLEN
         })

@@ -1,19 +1,18 @@
 //! Walls of one and two leaves, with and without return walls, on a table that tilts, and the angle at which limit analysis says that
 //! they fail.
 
-use crate::masonry::slope::{FAST, NEAR, SLOW};
-use crate::{G, Lab};
+use crate::Lab;
+use crate::masonry::slope::{FAST, NEAR, SLOW, tilts, tip};
 use bevy_ecs::prelude::*;
 use drystone::body::{Pose, RigidBody, SolverEffort};
 use drystone::collider::{Collider, Friction};
-use drystone::masonry::Block;
-use drystone::settings::Gravity;
+use drystone::masonry::{Block, Bond, Wall};
 use drystone::stability::{Trial, stability};
 use glam::{Vec3, Vec3Swizzles};
 
 /// Length, height and depth of a brick, m.
 const BRICK: Vec3 = Vec3::new(0.6, 0.3, 0.3);
-const COURSES: usize = 8;
+const COURSES: u32 = 8;
 /// Lengths of the wall and of a return wall, in bricks.
 const LENGTH: f32 = 6.0;
 const RETURNS: f32 = 3.0;
@@ -36,36 +35,29 @@ pub struct Tilted {
     pub towards: Vec3,
 }
 
-/// The part of a wall that is laid in one course.
+/// The part of a wall with return walls that is laid in one course.
 #[derive(Clone, Copy)]
 enum Run {
     /// Stretchers from end to end.
     Through,
-    /// Shifted by half a stretcher or laid as headers, and with both ends free.
-    Shifted,
-    /// The same, between or behind walls that go through.
+    /// Between or behind walls that go through: stretchers if the wall has one leaf; a closer and headers if it has two.
     Behind,
 }
 
 impl Run {
     /// Lengths of the pieces in bricks.
     fn pieces(self, leaves: u8, length: f32) -> Vec<f32> {
-        let (first, middle): (&[f32], f32) = match (self, leaves) {
-            (Self::Through, _) | (Self::Behind, 1) => (&[], 1.0),
-            (Self::Shifted, 1) => (&[0.5], 1.0),
-            (Self::Shifted, _) => (&[0.5, 0.25], 0.5),
-            (Self::Behind, _) => (&[0.25], 0.5),
+        let (mut piece, next) = match (self, leaves) {
+            (Self::Through, _) | (Self::Behind, 1) => (1.0, 1.0),
+            (Self::Behind, _) => (0.25, 0.5),
         };
-        let mut pieces = first.to_vec();
-        let mut rest = length - first.iter().sum::<f32>();
+        let mut pieces = Vec::new();
+        let mut rest = length;
         while rest > 1e-3 {
-            let mut piece = middle.min(rest);
-            // A closer stands beside the last header too.
-            if matches!(self, Self::Shifted) && leaves == 2 && (rest - 0.75).abs() < 1e-3 {
-                piece = 0.25;
-            }
+            piece = f32::min(piece, rest);
             pieces.push(piece);
             rest -= piece;
+            piece = next;
         }
         pieces
     }
@@ -101,27 +93,29 @@ impl Tilted {
     }
 
     /// The bricks, course by course.
-    pub fn blocks(&self) -> Vec<Block> {
+    fn blocks(&self) -> Vec<Block> {
+        if !self.returns {
+            let bond = [Bond::Running, Bond::English][usize::from(self.leaves - 1)];
+            let wall = Wall {
+                brick: BRICK,
+                length: LENGTH * BRICK.x,
+                courses: COURSES,
+                ..Wall::new(bond)
+            };
+            return wall.blocks().expect("the bond ends with a brick");
+        }
         // In bricks.
         let deep = 0.5 * f32::from(self.leaves);
         let mut blocks = Vec::new();
         for course in 0..COURSES {
-            let even = course % 2 == 0;
-            let (face, from) = match (self.returns, even) {
-                (_, true) => (Run::Through, 0.0),
-                (false, false) => (Run::Shifted, 0.0),
-                (true, false) => (Run::Behind, deep),
-            };
+            let mut runs = [(Run::Through, 0.0), (Run::Behind, deep)];
+            if course % 2 == 1 {
+                runs.reverse();
+            }
+            let [(face, from), (side, back)] = runs;
             self.lay(face, course, [from, LENGTH - from], 0.0, false, &mut blocks);
-            if self.returns {
-                let (side, from) = if even {
-                    (Run::Behind, deep)
-                } else {
-                    (Run::Through, 0.0)
-                };
-                for at in [0.0, LENGTH - deep] {
-                    self.lay(side, course, [from, RETURNS], at, true, &mut blocks);
-                }
+            for at in [0.0, LENGTH - deep] {
+                self.lay(side, course, [back, RETURNS], at, true, &mut blocks);
             }
         }
         blocks
@@ -131,7 +125,7 @@ impl Tilted {
     fn lay(
         &self,
         run: Run,
-        course: usize,
+        course: u32,
         [from, to]: [f32; 2],
         aside: f32,
         is_along_z: bool,
@@ -140,7 +134,7 @@ impl Tilted {
         // Only headers go through both leaves.
         let leaves = match run {
             Run::Through => self.leaves,
-            Run::Shifted | Run::Behind => 1,
+            Run::Behind => 1,
         };
         let depth = 0.5 * f32::from(self.leaves / leaves);
         let height = (course as f32 + 0.5) * BRICK.y;
@@ -199,7 +193,7 @@ pub struct Table {
     /// The angle at which it fails by limit analysis, rad.
     pub limit: f32,
     /// The tilt as a share of the limit.
-    share: f32,
+    share: f64,
 }
 
 impl Table {
@@ -213,14 +207,12 @@ impl Table {
     }
 
     /// Tilts it on to a share of the limit, by so many of these shares a second; false if a brick falls.
-    fn turn(&mut self, to: f32, rate: f64) -> bool {
-        let (from, dt) = (self.share, self.lab.dt);
-        let steps = ((to - from) / (rate as f32 * dt)).ceil() as usize;
-        (1..=steps).all(|step| {
-            self.share = from + (to - from) * step as f32 / steps as f32;
-            let (sin, cos) = (self.share * self.limit).sin_cos();
-            let down = sin * self.towards - cos * Vec3::Y;
-            self.lab.world.insert_resource(Gravity(G * down));
+    fn turn(&mut self, to: f64, rate: f64) -> bool {
+        let mut shares = tilts([self.share, to], rate, self.lab.dt);
+        shares.all(|share| {
+            self.share = share;
+            let angle = share * f64::from(self.limit);
+            tip(&mut self.lab, angle, self.towards.as_dvec3());
             self.lab.step();
             self.moved() < FALLEN
         })
@@ -235,14 +227,14 @@ impl Table {
     }
 
     /// Tilts it on slowly to a share of the limit and waits; false if a brick falls.
-    pub fn tilt(&mut self, to: f32) -> bool {
-        let near = to.min(NEAR as f32);
+    pub fn tilt(&mut self, to: f64) -> bool {
+        let near = to.min(NEAR);
         (self.share >= near || self.turn(near, FAST)) && self.turn(to, SLOW) && self.rest(WAIT)
     }
 
     /// The share of the limit at which it falls, to 0.5 %, if it falls before 1.1 times the limit.
-    pub fn falls_at(&mut self) -> Option<f32> {
-        let shares = (0..=30).map(|i| NEAR as f32 + 0.01 * i as f32);
+    pub fn falls_at(&mut self) -> Option<f64> {
+        let shares = (0..=30).map(|i| NEAR + 0.01 * f64::from(i));
         let mut shares = shares.skip_while(|&share| self.tilt(share));
         shares.next().map(|share| share - 0.005)
     }

@@ -215,8 +215,8 @@ fn a_double_leaf_on_a_tilting_table_falls_where_limit_analysis_says() {
 }
 
 #[test]
-#[ignore = "missed: a double leaf in its plane falls at 96.5 %; walls with return walls out of the plane at 96.5 %, as at 1/1920 s; a single \
-    leaf with return walls in its plane at 88.5 %, at 1/1920 s at 92.5 %"]
+#[ignore = "missed: a double leaf in its plane falls at 96.5 %; walls with return walls out of the plane at 96.5 %, as at 1/1920 s; a \
+    single leaf with return walls in its plane at 88.5 %, at 1/1920 s at 92.5 %"]
 fn walls_that_crack_fall_where_limit_analysis_says() {
     tables_met(|wall| !is_simple(wall));
 }

@@ -184,14 +184,10 @@ fn eliminate(strips: &mut [[f64; 6]], own: usize) {
             for c in 0..6 {
                 let (done, now) = block.split_at_mut(c);
                 let column = &mut now[0];
-                for (done, diagonal) in done.iter().zip(&*diagonal) {
-                    for (number, done) in column.iter_mut().zip(done) {
-                        *number -= diagonal[c] * done;
-                    }
+                for (d, done) in done.iter().enumerate() {
+                    (0..6).for_each(|r| column[r] -= diagonal[d][c] * done[r]);
                 }
-                column
-                    .iter_mut()
-                    .for_each(|number| *number *= diagonal[c][c]);
+                (0..6).for_each(|r| column[r] *= diagonal[c][c]);
             }
         }
     }
@@ -213,14 +209,15 @@ fn factorize_block(block: &mut Block) {
 }
 
 fn add(to: &mut [[f64; 6]], block: &Block) {
-    for (to, column) in to.iter_mut().zip(block) {
-        (0..6).for_each(|r| to[r] += column[r]);
+    let to: &mut Block = to.try_into().expect("six columns");
+    for c in 0..6 {
+        (0..6).for_each(|r| to[c][r] += block[c][r]);
     }
 }
 
 fn subtract(from: &mut Block, block: &Block) {
-    for (from, column) in from.iter_mut().zip(block) {
-        (0..6).for_each(|r| from[r] -= column[r]);
+    for c in 0..6 {
+        (0..6).for_each(|r| from[c][r] -= block[c][r]);
     }
 }
 
@@ -259,8 +256,8 @@ fn times(strip: &[[f64; 6]], vector: &[f64]) -> [f64; 6] {
 
 /// Subtracts the product of a transposed strip and a vector.
 fn subtract_transposed(from: &mut [f64], strip: &[[f64; 6]], vector: &[f64]) {
-    for (from, column) in from.iter_mut().zip(strip) {
-        *from -= (0..6).map(|r| column[r] * vector[r]).sum::<f64>();
+    for (number, column) in strip.iter().enumerate() {
+        (0..6).for_each(|r| from[number] -= column[r] * vector[r]);
     }
 }
 

@@ -61,8 +61,8 @@ impl Face {
         let mut sum = 0.0;
         for (end, row) in self.ends.iter().zip(&self.rows[row]) {
             if let Some(body) = *end {
-                let products = row.iter().zip(&velocities[body]).map(|(a, b)| a * b);
-                sum += products.sum::<f64>();
+                let velocity = &velocities[body];
+                (0..6).for_each(|i| sum += row[i] * velocity[i]);
             }
         }
         sum
@@ -72,12 +72,16 @@ impl Face {
     pub fn push(&self, row: usize, force: f64, bodies: &mut [Six]) {
         for (end, row) in self.ends.iter().zip(&self.rows[row]) {
             if let Some(body) = *end {
-                for (to, number) in bodies[body].iter_mut().zip(row) {
-                    *to += force * number;
-                }
+                add_times(&mut bodies[body], force, row);
             }
         }
     }
+}
+
+/// Adds a multiple of six numbers. Counted loops over six numbers are fast in debug builds too, where pairs of iterators are not.
+#[inline]
+pub(super) fn add_times(to: &mut Six, times: f64, six: &Six) {
+    (0..6).for_each(|i| to[i] += times * six[i]);
 }
 
 impl Program {

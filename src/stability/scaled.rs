@@ -5,7 +5,7 @@
 
 use super::cholesky::{Block, Factor};
 use super::cone::Scaling;
-use super::cone_program::{Face, Motion, Program, Six};
+use super::cone_program::{Face, Motion, Program, Six, add_times};
 use super::order::{Plan, Spot};
 
 /// Regularization: a number added to the diagonal, so that bodies that nothing holds can be eliminated too. Refinement corrects its effect.
@@ -235,15 +235,9 @@ fn form(face: &Face, inner: &[f64], spots: &[Option<Spot>; 3], factor: &mut Fact
         for (row, inner) in face.rows.iter().zip(inner.chunks_exact(count)) {
             let mut sum = [0.0; 6];
             for (column, inner) in face.rows.iter().zip(inner) {
-                for (sum, number) in sum.iter_mut().zip(&column[other]) {
-                    *sum += inner * number;
-                }
+                add_times(&mut sum, *inner, &column[other]);
             }
-            for (column, sum) in block.iter_mut().zip(sum) {
-                for (to, number) in column.iter_mut().zip(&row[one]) {
-                    *to += number * sum;
-                }
-            }
+            (0..6).for_each(|i| add_times(&mut block[i], sum[i], &row[one]));
         }
         factor.add(spot, &block);
     }

@@ -410,7 +410,7 @@ fn a_thousand_bricks_are_known_in_two_seconds() {
     let top = lab.position(bodies[1000]) + Vec3::new(0.0, 0.25, 0.3);
     let start = Instant::now();
     let ask = |what: &str, ask: &dyn Fn() -> Margin, most: f32| {
-        // It takes 0.2 to 0.7 s on an idle machine, and up to 1.7 s without link-time optimization. Another thread on the same core
+        // It takes 0.2 to 0.7 s on an idle machine, and up to 1.3 s without link-time optimization. Another thread on the same core
         // makes that half as long again, so the least of several times counts.
         let mut least = Duration::MAX;
         for _ in 0..3 {

@@ -41,6 +41,17 @@ const UNSETTLED_SWEEPS: f32 = 0.5;
 /// rest. When a tenth more did not count yet, arches slid 3 % before their limits.
 const NEW_LOAD_SHARE: f32 = 0.25;
 
+/// The rate of sweeps in a pile that has come to a stop, as a factor of the usual rate. With the usual one wedged bodies creep at the limit
+/// of friction, and hardly any pile of rubble sleeps within 20 s; with this one they sleep after 5 s in the mean, in less time in all.
+const PILE_RATE_FACTOR: f32 = 4.0;
+
+/// The shares of edges and corners among contacts ([`LoadStatistics::edges`]) from which on a structure counts as a pile in part, and in
+/// full. Masonry has next to none, a pile more than half. More sweeps for slow masonry would feed its sway.
+const PILE_EDGES: [f32; 2] = [0.03, 0.2];
+
+/// The mean speed of a pile at which it has half of its additional sweeps, m/s. One that falls needs none.
+const PILE_SPEED: f32 = 0.1;
+
 /// Upper bound of the rate of sweeps, as a factor of the usual rate.
 const MAX_RATE_FACTOR: f32 = 4.0;
 
@@ -97,7 +108,8 @@ impl SweepBudget {
         let usual = usual * (1.0 + UNSETTLED_SWEEPS * (unsettled / NEW_LOAD_SHARE).min(1.0));
         let rate = (settings.sweeps_per_period * stable(problem, courses, pressed))
             .clamp(usual, most)
-            * problem.effort;
+            * problem.effort
+            * pile(statistics, problem);
         let sweeps = |seconds: f32| {
             let rounds = (rate * seconds / round as f32 - ROUND_SLACK).ceil() as usize;
             (rounds * round)
@@ -118,6 +130,18 @@ impl SweepBudget {
             followed: (now.1 as f32).min(longest.1 as f32 * (problem.dt / problem.max_recent_dt)),
         }
     }
+}
+
+/// The factor of the rate of sweeps by which a pile has more than masonry. It makes piles sleep, so it is for worlds in which they may: in
+/// others they would cost 1.3 to 1.6 times the time for ever.
+fn pile(statistics: &LoadStatistics, problem: &PatchProblem) -> f32 {
+    if problem.stays_awake {
+        return 1.0;
+    }
+    let [none, all] = PILE_EDGES;
+    let pile = ((statistics.edges - none) / (all - none)).clamp(0.0, 1.0);
+    let slow = 1.0 / (1.0 + (statistics.speed / PILE_SPEED).powi(2));
+    1.0 + (PILE_RATE_FACTOR - 1.0) * pile * slow
 }
 
 /// Number of substeps that, with the rigid sweeps between them and the one that ends the step, make `sweeps` sweeps; at least one.
@@ -177,6 +201,7 @@ mod tests {
     use super::*;
     use crate::Memory;
     use crate::patches::soft_step::masonry::Masonry;
+    use glam::Vec3;
 
     /// The budget of a wall of 8 courses that stands on so many courses that sleep.
     fn on(sleeping: u32) -> SweepBudget {
@@ -196,6 +221,40 @@ mod tests {
     #[test]
     fn courses_that_sleep_below_do_not_make_a_structure_taller() {
         assert_eq!(on(100), on(0));
+    }
+
+    /// The rate of sweeps of a wall whose bricks move at this speed, m/s, and touch at edges instead of faces in its first `edges` contacts.
+    fn rate(edges: usize, speed: f32, stays_awake: bool) -> f32 {
+        let mut wall = Masonry::wall(10, 8, 0.0);
+        for body in &mut wall.bodies[1..] {
+            body.start[0] = speed * Vec3::X;
+        }
+        for patch in &mut wall.patches[..edges] {
+            patch.count = 2;
+        }
+        for point in &mut wall.points {
+            (point.normal_impulse, point.rest_impulse) = (5.0, 5.0);
+        }
+        let mut memory = Memory::default();
+        let mut body_loads = Vec::new();
+        let mut problem = wall.problem(&mut memory);
+        problem.stays_awake = stays_awake;
+        let statistics = LoadStatistics::of(&problem, &mut body_loads);
+        let loads = (&statistics, &*body_loads);
+        SweepBudget::new(&SoftStep::default(), &problem, loads, &mut Vec::new()).rate
+    }
+
+    #[test]
+    fn piles_that_have_stopped_have_more_sweeps() {
+        let masonry = rate(0, 0.0, false);
+        assert_eq!(rate(4, 0.0, false), masonry, "a few edges");
+        assert_eq!(rate(60, 0.0, true), masonry, "a world without sleeping");
+        let pile = rate(60, 0.0, false) / masonry;
+        assert_eq!(pile, PILE_RATE_FACTOR);
+        let slow = rate(60, PILE_SPEED, false) / masonry;
+        assert!((slow - 0.5 * (1.0 + PILE_RATE_FACTOR)).abs() < 1e-3, "{slow}");
+        let falling = rate(60, 3.0, false) / masonry;
+        assert!(falling < 1.01, "{falling}");
     }
 
     #[test]

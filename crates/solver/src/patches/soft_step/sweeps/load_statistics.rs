@@ -10,6 +10,9 @@ const UNLOADED: f32 = 2.0;
 /// Number of points from which on a contact is flat: a body may tip over one of two points.
 const FLAT: u32 = 3;
 
+/// A block that rocks stands on one edge, and an arch that falls turns about four. They are no pile.
+const LONE_EDGES: usize = 4;
+
 /// Statistics of the contacts of a problem.
 #[derive(Clone, Copy, Debug)]
 pub struct LoadStatistics {
@@ -21,6 +24,10 @@ pub struct LoadStatistics {
     pub bounces: bool,
     /// Some body is round.
     pub rolls: bool,
+    /// The share of the contacts that carry which are an edge or a corner of a body that is not round, less [`LONE_EDGES`] of them, 0..1.
+    pub edges: f32,
+    /// The mean speed of the bodies that move, m/s.
+    pub speed: f32,
 }
 
 /// The loads on a body.
@@ -48,9 +55,11 @@ impl LoadStatistics {
         body_loads.extend(problem.bodies.iter().map(BodyLoad::of));
         let (mut new, mut all, mut pressed) = (0.0, 0.0, 0f32);
         let (mut bounces, mut rolls) = (false, false);
+        let (mut edges, mut carrying) = (0usize, 0usize);
         for patch in problem.patches.iter() {
+            let round = patch.rolling_radius > 0.0 && patch.rolling_radius < f32::INFINITY;
             bounces |= patch.restitution > 0.0;
-            rolls |= patch.rolling_radius > 0.0 && patch.rolling_radius < f32::INFINITY;
+            rolls |= round;
             let (mut load, mut impulse) = (0.0, 0.0);
             for point in &problem.points[patch.range()] {
                 load += point.rest_impulse;
@@ -59,6 +68,8 @@ impl LoadStatistics {
             new += (impulse - load).abs();
             all += larger(impulse, load);
             let carries = load > 0.0 || impulse > 0.0;
+            carrying += usize::from(carries);
+            edges += usize::from(carries && patch.count < FLAT && !round);
             let levels = patch
                 .bodies
                 .both(|body| problem.bodies[body as usize].level);
@@ -85,8 +96,21 @@ impl LoadStatistics {
             pressed: pressed / problem.dt,
             bounces,
             rolls,
+            edges: edges.saturating_sub(LONE_EDGES) as f32 / carrying.max(1) as f32,
+            speed: mean_speed(problem),
         }
     }
+}
+
+/// The mean speed of the bodies that move, m/s.
+fn mean_speed(problem: &PatchProblem) -> f32 {
+    let moving = problem.bodies.iter().filter(|body| body.inverse_mass > 0.0);
+    let (mut sum, mut count) = (0.0, 0);
+    for body in moving {
+        sum += body.start[0].length();
+        count += 1;
+    }
+    sum / count.max(1) as f32
 }
 
 /// The larger number. (`f32::max` takes four instructions more, to treat NaN.)

@@ -8,7 +8,7 @@
 //!   rate of sweeps ([`SoftStep::sweeps_per_period`]). The patches of a body share it, since a brick with six neighbours is held by six
 //!   springs.
 //! - **Sweeps by need** ([`sweeps::budget`]): sweeps come at a rate, so that a structure is equally stiff at any step length. Structures
-//!   that are tall, carry much, or have not settled yet get more of them.
+//!   that are tall, carry much, or have not settled yet get more of them, and so do piles that have nearly stopped.
 //! - **Impulses carry over whole** from substep to substep. With frozen arms they repeat what they did before, so that forces and warm
 //!   start are an extrapolation of the velocities and cost no pass over the contacts.
 //! - **Every third substep is followed by a rigid sweep** that only stops motion. Without rigid sweeps, disturbances grow from course to

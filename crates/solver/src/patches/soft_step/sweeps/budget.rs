@@ -3,7 +3,8 @@
 //! The stiffness of springs follows the rate of sweeps ([`SoftStep::sweeps_per_period`]). The stiffness that is needed depends on the
 //! structure and not on the step: like Euler's column, a column on springs buckles below a frequency that grows with its courses and with
 //! √(load / (mass · size)). So sweeps come at a rate, and a long step has more of them. The rate follows the shape of the structure and its
-//! loads at rest. A rate that followed the current impulses would amplify their shaking.
+//! loads at rest. A rate that followed the current impulses would amplify their shaking. In piles it also follows the mean speed: piles do not
+//! sway, and walls and towers do.
 
 use super::load_statistics::{BodyLoad, LoadStatistics};
 use crate::PatchProblem;

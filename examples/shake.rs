@@ -3,10 +3,21 @@
 //! ```text
 //! cargo run --release --example shake -- [--quick]
 //! ```
+//!
+//! It prints a table, and leaves pictures of what is left of each structure at 1/60 s in `target/shake/`: a row for each motion, a column
+//! for each acceleration.
 
 use clap::Parser;
+use drystone::masonry::Block;
+use drystone_lab::pictures::{Camera, SIZE, frame};
+use drystone_lab::plots::Canvas;
 use drystone_lab::quake::{Quake, Structure};
-use std::process::ExitCode;
+use glam::Vec3;
+use plotters::element::BitMapElement;
+use plotters::prelude::IntoDrawingArea;
+use std::error::Error;
+use std::fs;
+use std::path::Path;
 
 /// Shakes a wall, an arch, a column of drums and a small house.
 #[derive(Parser)]
@@ -25,7 +36,7 @@ const STEPS: [(&str, f32); 3] = [
     ("1/1920 s", 1.0 / 1920.0),
 ];
 
-fn main() -> ExitCode {
+fn main() -> Result<(), Box<dyn Error>> {
     let Arguments {
         quick,
         accelerations,
@@ -38,19 +49,19 @@ fn main() -> ExitCode {
     );
     println!("|---|---|---|{}", "---|".repeat(steps.len()));
     for structure in Structure::ALL {
+        let mut rows = Vec::new();
         for quake in Quake::ALL {
+            let mut left = Vec::new();
             for &g in &accelerations {
                 let mut cells = Vec::new();
-                for (_, dt) in steps {
-                    match structure.shake(quake, 9.81 * g, *dt) {
-                        Ok(shaken) if shaken.fallen == 0 => {
-                            cells.push(format!("{:.1} mm", 1e3 * shaken.offset));
-                        }
-                        Ok(shaken) => cells.push(format!("{} fall", shaken.fallen)),
-                        Err(error) => {
-                            eprintln!("{}: {error}", structure.name());
-                            return ExitCode::FAILURE;
-                        }
+                for (number, (_, dt)) in steps.iter().enumerate() {
+                    let shaken = structure.shake(quake, 9.81 * g, *dt)?;
+                    cells.push(match shaken.fallen {
+                        0 => format!("{:.1} mm", 1e3 * shaken.offset),
+                        fallen => format!("{fallen} fall"),
+                    });
+                    if number == 0 {
+                        left.push(shaken.blocks);
                     }
                 }
                 let cells = cells.join(" | ");
@@ -60,7 +71,44 @@ fn main() -> ExitCode {
                     quake.name()
                 );
             }
+            rows.push(left);
+        }
+        draw(structure.name(), &rows)?;
+    }
+    Ok(())
+}
+
+/// Writes a picture of these rows of structures, all from the same place.
+fn draw(name: &str, rows: &[Vec<Vec<Block>>]) -> Result<(), Box<dyn Error>> {
+    // From where the one that was shaken least, which stands, fills the picture.
+    let first = rows.iter().flatten().next();
+    let places = first.into_iter().flatten().map(|block| block.pose.position);
+    let corners = places.fold(None, |corners: Option<[Vec3; 2]>, at| {
+        Some(corners.map_or([at; 2], |[least, most]| [least.min(at), most.max(at)]))
+    });
+    let Some([least, most]) = corners else {
+        return Ok(());
+    };
+    // Places are those of centres, and no block is larger than two metres.
+    let camera = Camera {
+        target: 0.5 * (least + most),
+        height: 1.3 * ((most - least).max_element() + 1.0),
+    };
+    let folder = Path::new("target/shake");
+    fs::create_dir_all(folder)?;
+    let path = folder.join(name).with_extension("png");
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0) as u32;
+    let size = (columns * SIZE.0, rows.len() as u32 * SIZE.1);
+    let area = Canvas::new(&path, size).into_drawing_area();
+    for (y, row) in (0..).zip(rows) {
+        for (x, blocks) in (0..).zip(row) {
+            let blocks = blocks.iter().map(|block| (&block.collider, &block.pose));
+            let pixels = frame(blocks, None, &camera);
+            let at = (x * SIZE.0 as i32, y * SIZE.1 as i32);
+            let picture = BitMapElement::with_ref(at, SIZE, &pixels);
+            area.draw(&picture.ok_or("a frame has another size")?)?;
         }
     }
-    ExitCode::SUCCESS
+    area.present()?;
+    Ok(())
 }

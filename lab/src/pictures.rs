@@ -9,6 +9,7 @@ use euc::{Pipeline, Target};
 use glam::camera::rh::proj::opengl::perspective;
 use glam::camera::rh::view::look_at_mat4;
 use glam::{Mat4, Vec3};
+use parry3d::shape::TypedShape;
 use plotters_backend::{DrawingBackend, DrawingErrorKind};
 use std::error::Error;
 use std::fs;
@@ -27,6 +28,8 @@ const EDGE: Vec3 = Vec3::new(0.16, 0.12, 0.10);
 const HAND: Vec3 = Vec3::new(0.85, 0.10, 0.10);
 /// m
 const HAND_LENGTH: f32 = 1.2;
+/// A cylinder is drawn as a prism with so many sides.
+const CYLINDER_SIDES: u32 = 32;
 /// Towards the light.
 const LIGHT: Vec3 = Vec3::new(0.35, 0.80, 0.50);
 
@@ -151,10 +154,11 @@ const NO_EDGE: f32 = 1e3;
 /// The triangles of a convex body in the world, lit.
 fn faces(collider: &Collider, pose: &Pose, color: Vec3, corners: &mut Vec<Corner>) {
     let shape = collider.shape();
-    let (points, triangles) = match (shape.as_cuboid(), shape.as_convex_polyhedron()) {
-        (Some(cuboid), _) => cuboid.to_trimesh(),
-        (_, Some(hull)) => hull.to_trimesh(),
-        // The paper has boxes only, and the hand is one.
+    let (points, triangles) = match shape.as_typed_shape() {
+        TypedShape::Cuboid(cuboid) => cuboid.to_trimesh(),
+        TypedShape::ConvexPolyhedron(hull) => hull.to_trimesh(),
+        TypedShape::Cylinder(cylinder) => cylinder.to_trimesh(CYLINDER_SIDES),
+        // No scene that is drawn has others.
         _ => return,
     };
     let points: Vec<Vec3> = points.iter().map(|&p| pose.transform_point(p)).collect();

@@ -10,6 +10,7 @@ use drystone::masonry::{Arch, Block, Bond, Corner, MasonryError, Wall};
 use drystone::schedule::step;
 use drystone::settings::Preset;
 use glam::{Quat, Vec3};
+use parry3d::bounding_volume::BoundingVolume;
 use std::f64::consts::TAU;
 
 /// What stands on the table. Bricks are 0.6 × 0.3 × 0.3 m, and friction is 0.6.
@@ -21,7 +22,7 @@ pub enum Structure {
     Arch,
     /// A column of six drums, 0.8 m wide and 0.6 m high.
     Drums,
-    /// Four walls of six courses without a roof, shaken along a diagonal.
+    /// Four walls of six courses under a roof of beams, shaken along a diagonal.
     House,
 }
 
@@ -58,16 +59,22 @@ const SINES: [(f64, f64, f64); 7] = [
 const BRICK: Vec3 = Vec3::new(0.6, 0.3, 0.3);
 const FRICTION: f32 = 0.6;
 
+/// How many beams a roof has, and how high they are, m.
+const BEAMS: u8 = 8;
+const BEAM: f32 = 0.2;
+
 /// A block that has moved by more than this against the table, m, has fallen.
 const FALLEN: f32 = 0.2;
 
 /// The state of a structure after the table has come to rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Shaken {
     /// How many blocks have fallen.
     pub fallen: usize,
     /// How far the others have moved against the table, at most, m.
     pub offset: f32,
+    /// The blocks where they are now, as seen from the table.
+    pub blocks: Vec<Block>,
 }
 
 impl Structure {
@@ -133,6 +140,8 @@ impl Structure {
                 let mut blocks = corner.blocks()?;
                 let others = corner.blocks()?;
                 blocks.extend(others.into_iter().map(|block| block.moved(&opposite)));
+                let roof = roof(&blocks);
+                blocks.extend(roof);
                 Ok(blocks)
             }
         }
@@ -155,10 +164,9 @@ impl Structure {
             ))
             .id();
         let blocks = self.blocks()?;
-        let start: Vec<Vec3> = blocks.iter().map(|block| block.pose.position).collect();
         let bodies: Vec<_> = blocks
-            .into_iter()
-            .map(|block| world.spawn((block.bundle(), friction)).id())
+            .iter()
+            .map(|block| world.spawn((block.clone().bundle(), friction)).id())
             .collect();
         let scale = acceleration / quake.peak();
         let rest = (RESTS / dt).round() as usize;
@@ -175,16 +183,47 @@ impl Structure {
             step(&mut world, dt).expect("the step is positive");
         }
         let moved = metrics::watch(&world, table).0.position + 0.5 * Vec3::Y;
-        let off = bodies.iter().zip(start).map(|(&body, start)| {
-            let position = metrics::watch(&world, body).0.position;
-            (position - moved).distance(start)
-        });
-        let (standing, fallen): (Vec<f32>, Vec<f32>) = off.partition(|off| *off <= FALLEN);
+        let (mut fallen, mut offset) = (0, 0f32);
+        let mut ended = Vec::with_capacity(blocks.len());
+        for (block, &body) in blocks.into_iter().zip(&bodies) {
+            let mut pose = metrics::watch(&world, body).0;
+            pose.position -= moved;
+            match pose.position.distance(block.pose.position) {
+                off if off <= FALLEN => offset = offset.max(off),
+                _ => fallen += 1,
+            }
+            ended.push(Block { pose, ..block });
+        }
         Ok(Shaken {
-            fallen: fallen.len(),
-            offset: standing.into_iter().fold(0.0, f32::max),
+            fallen,
+            offset,
+            blocks: ended,
         })
     }
+}
+
+/// Beams from wall to wall, side by side on top of these blocks.
+fn roof(blocks: &[Block]) -> Vec<Block> {
+    let bounds = blocks.iter().map(|block| {
+        let Pose { position, rotation } = block.pose;
+        let at = parry3d::math::Pose::from_parts(position, rotation);
+        block.collider.shape().compute_aabb(&at)
+    });
+    let all = bounds.reduce(|a, b| a.merged(&b));
+    let all = all.expect("a house has blocks");
+    let size = all.extents();
+    let wide = size.x / f32::from(BEAMS);
+    let beam = |i: u8| {
+        let x = all.mins.x + (f32::from(i) + 0.5) * wide;
+        Block {
+            collider: Collider::cuboid(wide, BEAM, size.z),
+            pose: Pose {
+                position: Vec3::new(x, all.maxs.y + 0.5 * BEAM, all.center().z),
+                ..Pose::default()
+            },
+        }
+    };
+    (0..BEAMS).map(beam).collect()
 }
 
 impl Quake {
@@ -256,10 +295,11 @@ mod tests {
             let weak = shake(0.03).unwrap();
             assert!(
                 weak.fallen == 0 && weak.offset < 2e-3,
-                "{structure:?}: {weak:?}"
+                "{structure:?}: {} m",
+                weak.offset
             );
             let strong = shake(1.5).unwrap();
-            assert!(strong.fallen > 0, "{structure:?}: {strong:?}");
+            assert!(strong.fallen > 0, "{structure:?} stands");
         }
     }
 }

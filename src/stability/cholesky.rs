@@ -184,8 +184,8 @@ fn eliminate(strips: &mut [[f64; 6]], own: usize) {
             for c in 0..6 {
                 let (done, now) = block.split_at_mut(c);
                 let column = &mut now[0];
-                for (d, done) in done.iter().enumerate() {
-                    (0..6).for_each(|r| column[r] -= diagonal[d][c] * done[r]);
+                for (done, diagonal) in done.iter().zip(&*diagonal) {
+                    (0..6).for_each(|r| column[r] -= diagonal[c] * done[r]);
                 }
                 (0..6).for_each(|r| column[r] *= diagonal[c][c]);
             }

@@ -141,8 +141,8 @@ fn pile(statistics: &LoadStatistics, problem: &PatchProblem) -> f32 {
     }
     let [none, all] = PILE_EDGES;
     let pile = ((statistics.edges - none) / (all - none)).clamp(0.0, 1.0);
-    let slow = 1.0 / (1.0 + (statistics.speed / PILE_SPEED).powi(2));
-    1.0 + (PILE_RATE_FACTOR - 1.0) * pile * slow
+    let speed = statistics.speed / PILE_SPEED;
+    1.0 + (PILE_RATE_FACTOR - 1.0) * pile / (1.0 + speed * speed)
 }
 
 /// Number of substeps that, with the rigid sweeps between them and the one that ends the step, make `sweeps` sweeps; at least one.
@@ -253,7 +253,10 @@ mod tests {
         let pile = rate(60, 0.0, false) / masonry;
         assert_eq!(pile, PILE_RATE_FACTOR);
         let slow = rate(60, PILE_SPEED, false) / masonry;
-        assert!((slow - 0.5 * (1.0 + PILE_RATE_FACTOR)).abs() < 1e-3, "{slow}");
+        assert!(
+            (slow - 0.5 * (1.0 + PILE_RATE_FACTOR)).abs() < 1e-3,
+            "{slow}"
+        );
         let falling = rate(60, 3.0, false) / masonry;
         assert!(falling < 1.01, "{falling}");
     }

@@ -26,7 +26,7 @@ struct Arguments {
     #[arg(long)]
     quick: bool,
     /// Largest accelerations of the table, in units of that of free fall.
-    #[arg(long, value_delimiter = ',', default_value = "0.1,0.2,0.3,0.4,0.5")]
+    #[arg(long, value_delimiter = ',', default_value = "0.1,0.3,0.5,0.7,1.0")]
     accelerations: Vec<f64>,
 }
 

@@ -222,8 +222,7 @@ fn most_piles_of_all_sleep() {
     overlaps_are_small("all", 0.005, overlaps);
 }
 
-/// In most piles. In others a hull creeps faster and faster, until it has found a place: of eight piles seven sleep after 6 to 13 s, one
-/// after 17.
+/// After 3 to 9 s. In some piles a hull creeps faster and faster, until it has found a place.
 #[test]
 fn most_piles_of_hulls_sleep() {
     let hull = |_: usize, rng: &mut fastrand::Rng| {
@@ -233,7 +232,7 @@ fn most_piles_of_hulls_sleep() {
             .collect();
         Collider::convex_hull(&corners).expect("a hull")
     };
-    let (overlaps, awake) = settle_piles("hulls", 15.0, 1..=5, hull);
+    let (overlaps, awake) = settle_piles("hulls", 12.0, 1..=5, hull);
     assert!(awake.len() < 2, "{awake:?} m/s");
     overlaps_are_small("hulls", 0.005, overlaps);
 }

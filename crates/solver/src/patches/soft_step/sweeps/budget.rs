@@ -3,8 +3,8 @@
 //! The stiffness of springs follows the rate of sweeps ([`SoftStep::sweeps_per_period`]). The stiffness that is needed depends on the
 //! structure and not on the step: like Euler's column, a column on springs buckles below a frequency that grows with its courses and with
 //! √(load / (mass · size)). So sweeps come at a rate, and a long step has more of them. The rate follows the shape of the structure and its
-//! loads at rest. A rate that followed the current impulses would amplify their shaking. In piles it also follows the mean speed: piles do not
-//! sway, and walls and towers do.
+//! loads at rest. A rate that followed the current impulses would amplify their shaking. In piles it also follows the mean speed, because
+//! piles do not sway as walls and towers do.
 
 use super::load_statistics::{BodyLoad, LoadStatistics};
 use crate::PatchProblem;
@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(on(100), on(0));
     }
 
-    /// The rate of sweeps of a wall whose bricks move at this speed, m/s, and touch at edges instead of faces in its first `edges` contacts.
+    /// The rate of sweeps of a wall whose bricks move at this speed, m/s. Its first contacts, `edges` of them, are edges instead of faces.
     fn rate(edges: usize, speed: f32, stays_awake: bool) -> f32 {
         let mut wall = Masonry::wall(10, 8, 0.0);
         for body in &mut wall.bodies[1..] {

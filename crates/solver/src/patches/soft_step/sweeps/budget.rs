@@ -53,7 +53,7 @@ const PILE_EDGES: [f32; 2] = [0.03, 0.2];
 /// The mean speed of a pile at which it has half of its additional sweeps, m/s. One that falls needs none.
 const PILE_SPEED: f32 = 0.1;
 
-/// Upper bound of the rate of sweeps, as a factor of the usual rate.
+/// Upper bound of the rate of sweeps, as a factor of the usual rate, before the additional sweeps of piles and of effort.
 const MAX_RATE_FACTOR: f32 = 4.0;
 
 /// A step gets another round only if it is longer by more than this share of a round.

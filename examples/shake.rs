@@ -22,7 +22,7 @@ use std::path::Path;
 /// Shakes a wall, an arch, a column of drums and a small house.
 #[derive(Parser)]
 struct Arguments {
-    /// No steps of 1/1920 s: ends within a minute.
+    /// No steps of 1/1920 s: ends within two minutes.
     #[arg(long)]
     quick: bool,
     /// Largest accelerations of the table, in units of that of free fall.
@@ -55,7 +55,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             for &g in &accelerations {
                 let mut cells = Vec::new();
                 for (number, (_, dt)) in steps.iter().enumerate() {
-                    let shaken = structure.shake(quake, 9.81 * g, *dt)?;
+                    let shaken = structure
+                        .shake(quake, 9.81 * g, *dt)
+                        .map_err(|error| format!("{}: {error}", structure.name()))?;
                     cells.push(match shaken.fallen {
                         0 => format!("{:.1} mm", 1e3 * shaken.offset),
                         fallen => format!("{fallen} fall"),
@@ -78,27 +80,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Writes a picture of these rows of structures, all from the same place.
+/// Writes a picture of these rows of structures. The camera shows the first one as a whole: it was shaken least, and stands.
 fn draw(name: &str, rows: &[Vec<Vec<Block>>]) -> Result<(), Box<dyn Error>> {
-    // From where the one that was shaken least, which stands, fills the picture.
-    let first = rows.iter().flatten().next();
-    let places = first.into_iter().flatten().map(|block| block.pose.position);
-    let corners = places.fold(None, |corners: Option<[Vec3; 2]>, at| {
-        Some(corners.map_or([at; 2], |[least, most]| [least.min(at), most.max(at)]))
-    });
-    let Some([least, most]) = corners else {
-        return Ok(());
-    };
-    // Places are those of centres, and no block is larger than two metres.
+    let first = &rows[0][0];
+    let centers = || first.iter().map(|block| block.pose.position);
+    let least = centers().fold(Vec3::MAX, Vec3::min);
+    let most = centers().fold(Vec3::MIN, Vec3::max);
     let camera = Camera {
         target: 0.5 * (least + most),
+        // Blocks reach beyond their centres.
         height: 1.3 * ((most - least).max_element() + 1.0),
     };
     let folder = Path::new("target/shake");
     fs::create_dir_all(folder)?;
     let path = folder.join(name).with_extension("png");
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0) as u32;
-    let size = (columns * SIZE.0, rows.len() as u32 * SIZE.1);
+    let [columns, lines] = [rows[0].len(), rows.len()].map(|count| count as u32);
+    let size = (columns * SIZE.0, lines * SIZE.1);
     let area = Canvas::new(&path, size).into_drawing_area();
     for (y, row) in (0..).zip(rows) {
         for (x, blocks) in (0..).zip(row) {

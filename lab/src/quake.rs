@@ -73,7 +73,7 @@ pub struct Shaken {
     pub fallen: usize,
     /// How far the others have moved against the table, at most, m.
     pub offset: f32,
-    /// The blocks where they are now, as seen from the table.
+    /// The blocks at their last poses, relative to the table.
     pub blocks: Vec<Block>,
 }
 

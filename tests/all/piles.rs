@@ -214,7 +214,7 @@ fn all(i: usize, _: &mut fastrand::Rng) -> Collider {
     }
 }
 
-/// Of twenty-four such piles twenty-three sleep within 10 s, and one after 10.2 s.
+/// Twenty-three of twenty-four such piles sleep within 10 s, the other one after 10.2 s.
 #[test]
 fn most_piles_of_all_sleep() {
     let (overlaps, awake) = settle_piles("all", 10.0, 1..=4, all);
@@ -222,7 +222,7 @@ fn most_piles_of_all_sleep() {
     overlaps_are_small("all", 0.005, overlaps);
 }
 
-/// After 3 to 9 s. In some piles a hull creeps faster and faster, until it has found a place.
+/// These five sleep after 3 to 9 s. In some piles a hull creeps faster and faster, until it has found a place.
 #[test]
 fn most_piles_of_hulls_sleep() {
     let hull = |_: usize, rng: &mut fastrand::Rng| {
@@ -253,7 +253,7 @@ fn a_pile_of_rubble_sleeps() {
     sleeps("rubble", 15.0, rubble);
 }
 
-/// After 3 to 11 s.
+/// They sleep after 3 to 11 s.
 #[test]
 #[ignore = "long"]
 fn thirty_piles_of_rubble_sleep() {

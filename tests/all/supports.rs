@@ -146,7 +146,7 @@ fn in_a_heap_all_answers_agree() {
     assert!(hangs > 10, "{hangs}");
 }
 
-/// Asks about each brick of a heap, and returns how many bricks are supported only by another one.
+/// Compares the answers about each brick of a heap. Returns the number of pairs in which one brick is supported only by the other.
 fn answers_agree(seed: u64) -> usize {
     let mut rng = fastrand::Rng::with_seed(seed);
     let mut lab = Lab::new();

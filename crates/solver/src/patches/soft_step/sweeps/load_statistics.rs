@@ -10,7 +10,7 @@ const UNLOADED: f32 = 2.0;
 /// Number of points from which on a contact is flat: a body may tip over one of two points.
 const FLAT: u32 = 3;
 
-/// A block that rocks stands on one edge, and an arch that falls turns about four. They are no pile.
+/// Number of edges that make no pile: a block that rocks stands on one, and an arch that falls turns about four.
 const LONE_EDGES: usize = 4;
 
 /// Statistics of the contacts of a problem.
@@ -24,10 +24,9 @@ pub struct LoadStatistics {
     pub bounces: bool,
     /// Some body is round.
     pub rolls: bool,
-    /// The share of the contacts that carry which are an edge or a corner of a body that is not round, less [`LONE_EDGES`] of them, 0..1.
+    /// The share of edges and corners among the contacts that carry, 0..1. Contacts of round bodies and the first [`LONE_EDGES`] edges do
+    /// not count.
     pub edges: f32,
-    /// The mean speed of the bodies that move, m/s.
-    pub speed: f32,
 }
 
 /// The loads on a body.
@@ -97,20 +96,8 @@ impl LoadStatistics {
             bounces,
             rolls,
             edges: edges.saturating_sub(LONE_EDGES) as f32 / carrying.max(1) as f32,
-            speed: mean_speed(problem),
         }
     }
-}
-
-/// The mean speed of the bodies that move, m/s.
-fn mean_speed(problem: &PatchProblem) -> f32 {
-    let moving = problem.bodies.iter().filter(|body| body.inverse_mass > 0.0);
-    let (mut sum, mut count) = (0.0, 0);
-    for body in moving {
-        sum += body.start[0].length();
-        count += 1;
-    }
-    sum / count.max(1) as f32
 }
 
 /// The larger number. (`f32::max` takes four instructions more, to treat NaN.)

@@ -111,6 +111,7 @@
 mod ask;
 pub mod body;
 pub mod broadphase;
+pub mod caster;
 pub mod character;
 pub mod children;
 pub mod collapse;
@@ -121,6 +122,7 @@ pub mod cookbook;
 pub mod diagnosis;
 #[cfg(feature = "diagnostics")]
 pub mod diagnostics;
+pub mod fracture;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
 pub mod grab;
@@ -146,6 +148,7 @@ pub mod reflection;
 mod restored;
 pub mod revision;
 pub mod saving;
+mod scatter;
 pub mod schedule;
 pub mod sensor;
 pub mod settings;
@@ -177,6 +180,7 @@ pub mod prelude {
         MaxLinearSpeed, Motion, Pose, Quarantined, RigidBody, RigidBodyDisabled, Sleeping,
         SolverEffort, SpawnOrder, Teleport, Velocity,
     };
+    pub use crate::caster::{CasterRules, RayCaster, ShapeCaster};
     pub use crate::character::{Character, CharacterState};
     pub use crate::children::{ColliderOf, ImplicitBody};
     pub use crate::collapse::{Collapse, CollapseEnded, CollapsePlugin, FailureMode, Watch};
@@ -190,6 +194,7 @@ pub mod prelude {
         ContactStarted, Contacts, FaceForce, Load, NotABody, Supports, contacts, supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};
+    pub use crate::fracture::{Debris, Fracturable, Fractured};
     pub use crate::grab::{Grab, GrabForce, Hand, HandPlugin, HandState, HeldBy};
     pub use crate::joint::{
         BreakForce, JointAnchor, JointBasis, JointBroke, JointDisabled, JointError, JointForces,

@@ -5,11 +5,13 @@
 
 use crate::body::{self, BodyTable, Pending, parts::Unassembled};
 use crate::broadphase::{self, Broadphase};
+use crate::caster::CasterPlugin;
 use crate::character::{CharacterPlugin, CharacterSystems};
 use crate::children;
 use crate::components::{any_with, init};
 use crate::contact::{self, ContactEnded, ContactForce, ContactStarted, Untriggered};
 use crate::diagnosis::{BodyError, FoundProblems, ReportedProblems, StepError};
+use crate::fracture::FracturePlugin;
 use crate::graph::{self, ConstraintGraph, Islands};
 use crate::joint::{BrokenJoints, JointBroke};
 use crate::joint_types::{self, JointChanges, JointError, Mortar};
@@ -92,6 +94,8 @@ impl PluginGroup for DrystonePlugins {
             .add(ContactEventsPlugin)
             .add(RefreshPlugin)
             .add(CharacterPlugin)
+            .add(FracturePlugin)
+            .add(CasterPlugin)
     }
 }
 
@@ -551,7 +555,7 @@ mod tests {
     }
 
     /// Every plugin but `StepPlugin`, by its name.
-    const OTHERS: [(&str, Add); 15] = [
+    const OTHERS: [(&str, Add); 17] = [
         ("BodyPlugin", |app| _ = app.add_plugins(BodyPlugin)),
         ("CollisionPlugin", |app| {
             _ = app.add_plugins(CollisionPlugin)
@@ -579,6 +583,8 @@ mod tests {
         ("CharacterPlugin", |app| {
             _ = app.add_plugins(CharacterPlugin)
         }),
+        ("FracturePlugin", |app| _ = app.add_plugins(FracturePlugin)),
+        ("CasterPlugin", |app| _ = app.add_plugins(CasterPlugin)),
         ("CollapsePlugin", |app| _ = app.add_plugins(CollapsePlugin)),
         ("HandPlugin", |app| _ = app.add_plugins(HandPlugin)),
     ];

@@ -10,9 +10,11 @@
 //! the types are also serialized by reflection, as scenes do.
 
 use crate::body::collider::ColliderShape;
+use crate::caster::{RayCaster, ShapeCaster};
 use crate::collapse::{Collapse, CollapseEnded};
 use crate::contact::{ContactEnded, ContactForce, ContactStarted};
 use crate::diagnosis::{BodyError, StepError};
+use crate::fracture::Fractured;
 use crate::joint::JointBroke;
 use crate::joint_types::{JointError, types::JointAxes};
 use crate::masonry::Laid;
@@ -39,11 +41,11 @@ pub(crate) fn register(app: &mut App) {
     register!(app, ColliderShape, MoveAndSlide, Ground, JointAxes);
     register!(app, ContactSolver, SoftStep, Pgs, Nncg);
     // Components that are no part of the state.
-    register!(app, Laid, Children);
+    register!(app, Laid, Children, RayCaster, ShapeCaster);
     // Messages and reports.
     register!(app, BodyError, StepError, SolveReports);
     register!(app, ContactStarted, ContactEnded, ContactForce);
     register!(app, SensorEntered, SensorExited);
     register!(app, JointBroke, JointError, MortarBroke);
-    register!(app, Collapse, CollapseEnded);
+    register!(app, Collapse, CollapseEnded, Fractured);
 }

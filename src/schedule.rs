@@ -102,7 +102,7 @@ pub(crate) fn order_stages(schedule: &mut Schedule, profile: &Profile) {
 }
 
 /// Messages of plugins beside the step, which [`step`] updates as an app does by itself.
-#[derive(Resource, Clone, Default)]
+#[derive(Resource, Default)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct StepMessages(Vec<fn(&mut World)>);
 
@@ -116,6 +116,11 @@ impl StepMessages {
         });
     }
 }
+
+/// Functions of plugins beside the step, which run after it, when its own observers have run.
+#[derive(Resource, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct AfterStep(pub Vec<fn(&mut World)>);
 
 /// Functions that run before and after the stages of every step, while the world is recorded.
 #[cfg(feature = "serde")]
@@ -148,14 +153,21 @@ pub fn step(world: &mut World, dt: f32) -> Result<(), StepError> {
     world.resource_mut::<Messages<MortarBroke>>().update();
     world.resource_mut::<Messages<SensorEntered>>().update();
     world.resource_mut::<Messages<SensorExited>>().update();
-    let others = world.get_resource::<StepMessages>().cloned();
-    others
-        .into_iter()
-        .flat_map(|others| others.0)
-        .for_each(|update| update(world));
+    run_all(world, |others: &StepMessages| &others.0);
     let result = advance(world, dt);
     world.clear_trackers();
     result
+}
+
+/// Calls the functions that plugins have put into a resource.
+fn run_all<R: Resource>(world: &mut World, list: impl Fn(&R) -> &[fn(&mut World)]) {
+    for i in 0.. {
+        let run = world.get_resource().and_then(|all| list(all).get(i));
+        let Some(run) = run else {
+            return;
+        };
+        run(world);
+    }
 }
 
 /// Checks that [`StepPlugin`](crate::StepPlugin) has been added.
@@ -217,6 +229,7 @@ pub fn advance(world: &mut World, dt: f32) -> Result<(), StepError> {
     joint::trigger(world);
     mortar::trigger(world);
     sensor::trigger(world);
+    run_all(world, |after: &AfterStep| &after.0);
     world.resource_mut::<Profile>().end_step(start.elapsed());
     Ok(())
 }

@@ -19,6 +19,20 @@ pub struct Brick {
     pub aside: bool,
 }
 
+/// The bricks of the front wall break when a stone hits them, and their pieces go after a while.
+const BRITTLE: Fracturable = Fracturable {
+    energy: 2_000.0,
+    pieces: 8,
+    again: 0,
+    mortar: None,
+    debris: Some(Debris {
+        lifetime: 20.0,
+        fade: 1.0,
+        most: 200,
+        age: 0.0,
+    }),
+};
+
 /// Lays the ground and the castle.
 pub fn build(world: &mut World) {
     let layers = CollisionLayers::new(Layer::Things, LayerMask::ALL);
@@ -42,7 +56,10 @@ pub fn build(world: &mut World) {
         openings: vec![gate],
         ..wall(12.0, 10)
     };
-    lay(world, front.blocks(), at(0.0, 0.0, 0.0), false);
+    let front = lay(world, front.blocks(), at(0.0, 0.0, 0.0), false);
+    for brick in front {
+        world.entity_mut(brick).insert(BRITTLE);
+    }
     lay(world, wall(12.0, 10).blocks(), at(0.0, 9.0, 0.0), false);
     lay(world, wall(6.0, 8).blocks(), at(-15.0, 4.0, 0.0), true);
     for x in [-5.75, 5.75] {

@@ -49,6 +49,7 @@ pub struct Tally {
     pub repaired: u32,
     pub undone: u32,
     pub bonds_broken: u32,
+    pub bricks_broken: u32,
     pub collapses: u32,
     /// The farthest that a shot came, m.
     pub range: f32,
@@ -110,16 +111,12 @@ impl Game {
         self.times.push(start.elapsed());
         drain::<BodyError>(world, &mut self.faults);
         drain::<JointError>(world, &mut self.faults);
-        let count = |world: &mut World| {
-            world
-                .resource_mut::<Messages<MortarBroke>>()
-                .drain()
-                .count()
-        };
-        let broken = count(world) as u32;
-        let collapses = world.resource_mut::<Messages<Collapse>>().drain().count() as u32;
+        let bonds = count::<MortarBroke>(world);
+        let bricks = count::<Fractured>(world);
+        let collapses = count::<Collapse>(world);
         let mut tally = world.resource_mut::<Tally>();
-        tally.bonds_broken += broken;
+        tally.bonds_broken += bonds;
+        tally.bricks_broken += bricks;
         tally.collapses += collapses;
         look_for_lost(world, clock, &mut self.faults);
         world.resource_mut::<Clock>().step += 1;
@@ -172,6 +169,7 @@ impl Game {
         line("bricks put back", &tally.repaired);
         line("edits undone", &tally.undone);
         line("bonds of mortar broken", &tally.bonds_broken);
+        line("bricks broken", &tally.bricks_broken);
         line("collapses", &tally.collapses);
         line("highest lift, m", &format!("{:.2}", tally.lifted));
         line("saved game, kB", &(self.bytes / 1000));
@@ -198,6 +196,11 @@ impl Game {
         }
         text
     }
+}
+
+/// Counts messages.
+fn count<M: Message>(world: &mut World) -> u32 {
+    world.resource_mut::<Messages<M>>().drain().count() as u32
 }
 
 /// Takes errors as faults.

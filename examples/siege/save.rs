@@ -7,14 +7,10 @@ use crate::lift::{Platform, Slider};
 use crate::raiders::{Raider, Yard};
 use crate::trebuchet::{Beam, Sling, Stone, Winch};
 use bevy_app::App;
-use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use bevy_world_serialization::serde::WorldDeserializer;
-use bevy_world_serialization::{DynamicWorldBuilder, WorldFilter};
 use drystone::prelude::*;
 use drystone::saving;
-use serde::de::DeserializeSeed;
 use std::any::TypeId;
 
 /// Registers what the game saves besides physics.
@@ -36,46 +32,13 @@ pub fn register(app: &mut App) {
 
 /// The game as text.
 pub fn write(world: &mut World) -> String {
-    let entities = saving::prepare(world);
-    let registry = world.resource::<AppTypeRegistry>().clone();
     let own = [TypeId::of::<Clock>(), TypeId::of::<Tally>()];
-    let scene = DynamicWorldBuilder::from_world(world, &registry.read())
-        .with_component_filter(WorldFilter::Denylist(saving::computed(world).collect()))
-        .with_resource_filter(WorldFilter::Allowlist(
-            saving::settings().chain(own).collect(),
-        ))
-        .extract_entities(entities.into_iter())
-        .extract_resources()
-        .build();
-    scene
-        .serialize(&registry.read())
-        .expect("all of it can be written")
+    saving::to_string_with(world, &[], &own).expect("all of it can be written")
 }
 
 /// Reads a game into an empty app.
 pub fn read(world: &mut World, text: &str) {
-    let registry = world.resource::<AppTypeRegistry>().clone();
-    let scene = WorldDeserializer {
-        type_registry: &registry.read(),
-        load_from_path: &mut NoAssets,
-    };
-    let mut text = ron::de::Deserializer::from_str(text).expect("it was written by us");
-    let scene = scene.deserialize(&mut text).expect("it was written by us");
-    scene
-        .write_to_world(world, &mut EntityHashMap::default())
-        .expect("all of it is registered");
-}
-
-struct NoAssets;
-
-impl bevy_asset::LoadFromPath for NoAssets {
-    fn load_from_path_erased(
-        &mut self,
-        _: TypeId,
-        _: bevy_asset::AssetPath<'static>,
-    ) -> bevy_asset::UntypedHandle {
-        unreachable!("the game has no assets")
-    }
+    saving::from_str(world, text).expect("it was written by us");
 }
 
 /// The positions of all bodies, sorted: two apps have different entities.

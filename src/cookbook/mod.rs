@@ -19,6 +19,7 @@
 //! | [`wrecking_ball`] | A wrecking ball |
 //! | [`breakable_joint`] | A joint that breaks |
 //! | [`mortar`] | A wall that breaks |
+//! | [`fracture`] | Things that break into pieces |
 //! | [`trigger_zone`] | A trigger zone |
 //! | [`hit_sound`] | The sound of a hit |
 //! | [`stairs`] | A character that climbs stairs |
@@ -85,6 +86,9 @@ pub mod breakable_joint {}
 
 #[doc = include_str!("building/mortar.md")]
 pub mod mortar {}
+
+#[doc = include_str!("building/fracture.md")]
+pub mod fracture {}
 
 #[doc = include_str!("playing/trigger_zone.md")]
 pub mod trigger_zone {}

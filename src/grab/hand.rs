@@ -35,7 +35,7 @@ impl Plugin for HandPlugin {
 }
 
 /// A hand that closes grabs bodies as they are now, including those that were spawned or moved since the last step.
-fn refresh_for_hands(
+pub(crate) fn refresh_for_hands(
     world: &mut World,
     hands: &mut QueryState<(Entity, &'static mut Hand, &'static mut HandState)>,
 ) {

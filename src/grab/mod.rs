@@ -4,4 +4,5 @@
 mod hand;
 
 pub use crate::body::{Grab, GrabForce, HeldBy};
+pub(crate) use hand::refresh_for_hands;
 pub use hand::{Hand, HandPlugin, HandState, hands};

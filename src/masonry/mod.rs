@@ -59,7 +59,7 @@ pub use corner::Corner;
 pub use dome::Dome;
 pub use error::MasonryError;
 pub use log::{EditError, EditLog, EditReport};
-pub use snap::{Snapped, snap};
+pub use snap::{Snapped, snap, snap_collider};
 pub use stacks::{CardHouse, Pyramid, Tower};
 pub use wall::{Opening, Wall};
 

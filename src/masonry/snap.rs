@@ -1,7 +1,8 @@
 //! Snapping: the place of a brick in a bond.
 
 use super::quarter_turn;
-use crate::body::Pose;
+use crate::body::collider::Collider;
+use crate::body::{Pose, limits};
 use glam::{Quat, Vec3};
 
 /// Minimum overlap of a brick with the one beside it, as a share of the shorter of the two.
@@ -86,6 +87,45 @@ pub fn snap(
         },
         on_top: face == 1,
     })
+}
+
+/// As [`snap`], for two colliders: their bounding boxes are laid against each other. `under` is the pose of the body with the collider `on`.
+/// Returns `None` for half-spaces, too.
+///
+/// ```
+/// use drystone::masonry::snap_collider;
+/// use drystone::prelude::*;
+///
+/// let (crate_, lies) = (Collider::cuboid(0.5, 0.5, 0.5), Pose { position: Vec3::Y * 0.25, ..Pose::default() });
+/// let ramp = Collider::wedge(1.0, 0.5, 0.5).unwrap();
+/// let place = snap_collider(&ramp, false, &lies, &crate_, Vec3::new(-0.25, 0.3, 0.0), Vec3::NEG_X).unwrap();
+/// assert_eq!(place.pose.position, Vec3::new(-0.75, 0.25, 0.0));
+/// ```
+#[must_use]
+pub fn snap_collider(
+    brick: &Collider,
+    turned: bool,
+    under: &Pose,
+    on: &Collider,
+    point: Vec3,
+    normal: Vec3,
+) -> Option<Snapped> {
+    let [own, other] = [brick, on].map(|collider| collider.shape().compute_local_aabb());
+    let box_under = Pose {
+        position: under.transform_point(other.center()),
+        ..*under
+    };
+    let sizes = [own, other].map(|bounds| bounds.extents());
+    // The box of a half-space has no end in single precision.
+    if !sizes
+        .iter()
+        .all(|size| size.max_element() < limits::LARGEST)
+    {
+        return None;
+    }
+    let mut snapped = snap(sizes[0], turned, &box_under, sizes[1], point, normal)?;
+    snapped.pose.position -= snapped.pose.rotation * own.center();
+    Some(snapped)
 }
 
 /// The position nearest to `point` at which the ends of two boxes of half lengths `own` and `other` are flush, or a whole number of steps

@@ -1,12 +1,13 @@
 //! The hashes of all bodies after a step, by which a replay is compared with what was recorded.
 
-use crate::body::{BodyIndex, Inactive, Pose, RigidBody, SpawnOrder, Velocity};
+use crate::body::{BodyIndex, Inactive, Pose, RigidBody, RigidBodyDisabled, SpawnOrder, Velocity};
 use crate::snapshot::SnapshotError;
 use crate::snapshot::bytes::{mix, read, write};
 use crate::solver::sort;
 use bevy_ecs::prelude::*;
 
-/// The hashes of the active bodies, in the order of their slots. Inactive bodies do not change.
+/// The hashes of the active bodies, in the order of their slots. Inactive and disabled bodies do not change, and bodies that have broken are
+/// disabled until they are despawned after the step.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Digest {
     /// That of all of them.
@@ -24,9 +25,15 @@ type Bodies = (
     &'static Velocity,
 );
 
+type Hashed = (
+    With<RigidBody>,
+    Without<Inactive>,
+    Without<RigidBodyDisabled>,
+);
+
 /// Makes [digests](Digest), and uses its memory again.
 pub(super) struct Hasher {
-    query: QueryState<Bodies, (With<RigidBody>, Without<Inactive>)>,
+    query: QueryState<Bodies, Hashed>,
     /// Slot, hash, and entity.
     found: Vec<(u32, u32, Entity)>,
 }

@@ -6,8 +6,8 @@
 //! there. Bodies that slept are asleep at once, nothing settles anew, loads and supports are those of before, and no
 //! [`ContactStarted`](crate::contact::ContactStarted) or [`SensorEntered`](crate::sensor::SensorEntered) is sent again.
 //!
-//! Enable the features `bevy_reflect`, by which scenes find components, and `serde`, which writes shapes. The cookbook of this
-//! documentation has [functions that save and load](crate::cookbook::save).
+//! With the feature `scenes`, `to_string` writes a world to text and `from_str` reads it. Without, enable `bevy_reflect`, by which scenes
+//! find components, and `serde`, which writes shapes, and extract the scene yourself: call [`prepare`] first.
 //!
 //! # What comes back
 //!
@@ -22,9 +22,13 @@
 
 mod restore;
 mod save;
+#[cfg(feature = "scenes")]
+mod text;
 
 #[doc(hidden)]
 pub use crate::restored::Restored;
 pub use crate::restored::{Saved, SavedContact};
 pub use restore::{any_saved, restore};
 pub use save::{computed, prepare, settings};
+#[cfg(feature = "scenes")]
+pub use text::{TextError, from_str, to_string, to_string_with};

@@ -184,7 +184,7 @@ impl Solve<'_> {
         let solve = |island: &mut Island| {
             let (bodies, grabs) = (&mut island.bodies, &mut island.grabs);
             let joints = &mut island.joints;
-            let with = (island.effort, context);
+            let with = (island.effort, island.broke, context);
             island.report = island.rows.solve(method, bodies, grabs, joints, with);
             take_back_if_wrong(island);
         };

@@ -14,10 +14,14 @@ impl PatchRows {
         bodies: &mut [Body],
         grabs: &mut [GrabConstraint],
         joints: &mut [JointConstraint],
-        (effort, context): (f32, &SolveContext),
+        (effort, broke, context): (f32, bool, &SolveContext),
     ) -> SolveReport {
         let problem = problem(self, bodies, grabs, joints, context);
-        solver.solve(&mut PatchProblem { effort, ..problem })
+        solver.solve(&mut PatchProblem {
+            effort,
+            broke,
+            ..problem
+        })
     }
 
     pub(super) fn is_small(&self, contacts: usize) -> bool {
@@ -138,6 +142,7 @@ fn problem<'a>(
         max_recent_dt: context.time.max_recent_dt,
         gravity: context.gravity.0,
         effort: 1.0,
+        broke: false,
         max_correction_speed: context.stabilization.max_correction_speed,
         settling: context.sleeping.settling(),
         stays_awake: context.sleeping.is_off(),

@@ -6,21 +6,21 @@ use crate::solver::{Body, GrabConstraint, JointConstraint, SolveReport};
 use crate::warm_start::{Rows, SolveContext};
 
 impl Rows {
-    /// Solves an island with a multiple of the usual number of sweeps.
+    /// Solves an island with a multiple of the usual number of sweeps; `broke` says whether some of its bodies have just broken off others.
     pub(super) fn solve(
         &mut self,
         method: Method,
         bodies: &mut [Body],
         grabs: &mut [GrabConstraint],
         joints: &mut [JointConstraint],
-        effort_and_context: (f32, &SolveContext),
+        (effort, broke, context): (f32, bool, &SolveContext),
     ) -> SolveReport {
         match (self, method) {
             (Self::Patches(rows), Method::Patches(solver)) => {
-                rows.solve(solver, bodies, grabs, joints, effort_and_context)
+                rows.solve(solver, bodies, grabs, joints, (effort, broke, context))
             }
             (Self::Points(rows), Method::Points(solver)) => {
-                rows.solve(solver, bodies, grabs, joints, effort_and_context)
+                rows.solve(solver, bodies, grabs, joints, (effort, context))
             }
             (Self::Patches(_), Method::Points(_)) | (Self::Points(_), Method::Patches(_)) => {
                 unreachable!("the stage *warm start* gathers rows for the solver that it prepares")

@@ -24,6 +24,7 @@ use crate::character::{Character, CharacterState};
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
 use crate::contact::{CollidingEntities, ContactForceEvents, ContactHooks, Load, Untriggered};
 use crate::diagnosis::{FoundProblems, ReportedProblems};
+use crate::fracture::{Debris, Fracturable, Fractures};
 use crate::grab::{Hand, HandState};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
@@ -93,6 +94,8 @@ state! {
     internal Other { Saved }
     // Hands and characters.
     component Other { HandState, Hand, CharacterState, Character }
+    // Bodies that break, and debris.
+    component Other { Fracturable, Debris }
     // Joints.
     component Joint { JointForces, BreakForce }
     component Other { JointDisabled, QuarantinedJoint }
@@ -109,7 +112,7 @@ state! {
     code Other hidden { ContactHooks }
     resource Hooks hidden { BodyTable, JointChanges, Unassembled }
     resource Stages hidden { Broadphase, ConstraintGraph, Islands, LostPairs, Suspended }
-    resource Events hidden { Untriggered, UntriggeredSensorEvents, BrokenJoints, BrokenMortar }
+    resource Events hidden { Untriggered, UntriggeredSensorEvents, BrokenJoints, BrokenMortar, Fractures }
     resource Other hidden { ActiveSettings, FoundProblems, ReportedProblems, EndedPairs, Structures, MovingSurfaces }
     resource Other hidden { Sensors, Restored, Arrivals }
 }

@@ -59,6 +59,8 @@ pub(crate) struct Island {
     pub report: SolveReport,
     /// The largest [`SolverEffort`](crate::body::SolverEffort) of its dynamic bodies.
     pub effort: f32,
+    /// Whether one of its dynamic bodies has just broken off another one.
+    pub broke: bool,
     /// Whether the solve diverged and was undone.
     pub diverged: bool,
     /// Identity of the island, if it has one.
@@ -107,6 +109,7 @@ impl Island {
         self.joint_slots.clear();
         self.diverged = false;
         self.effort = 1.0;
+        self.broke = false;
         self.dynamic = 0;
     }
 

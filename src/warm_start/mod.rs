@@ -194,6 +194,7 @@ impl WarmStart<'_> {
                 let body = body.expect("a member is in the table");
                 let level = self.islands.level(member.slot).unwrap_or(0);
                 island.add(body, &body.velocity, level, self.context.time.dt);
+                island.broke |= self.table.broke_off(body);
             }
         };
         let threads = &self.context.threads;

@@ -4,6 +4,7 @@ use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use drystone::body::{Pose, RigidBody, Velocity};
+use drystone::collider::Collider;
 use drystone::contact::Load;
 use drystone::masonry::*;
 use glam::{Quat, Vec3};
@@ -355,6 +356,48 @@ fn bricks_snap_to_their_places_in_the_bond() {
         }
     }
     assert!(found > 40, "{found}");
+}
+
+/// Hulls whose boxes are not around their origin lie against each other as boxes would; nothing lies on a half-space so.
+#[test]
+fn colliders_snap_by_their_boxes() {
+    let off = Vec3::new(0.2, -0.1, 0.3);
+    let half = 0.5 * BRICK;
+    let corner = |i: usize| {
+        let sign = |axis: usize| if i >> axis & 1 == 0 { -1.0 } else { 1.0 };
+        off + half * Vec3::new(sign(0), sign(1), sign(2))
+    };
+    let corners: Vec<Vec3> = (0..8).map(corner).collect();
+    let hull = Collider::convex_hull(&corners).unwrap();
+    let brick = Collider::cuboid(BRICK.x, BRICK.y, BRICK.z);
+    let under = Pose {
+        position: Vec3::new(1.0, 2.0, 3.0),
+        rotation: Quat::from_rotation_y(0.6),
+    };
+    let point = under.transform_point(Vec3::new(0.3, half.y, 0.1));
+    for turned in [false, true] {
+        let expected = snap(BRICK, turned, &under, BRICK, point, Vec3::Y)
+            .unwrap()
+            .pose;
+        let at = |collider: &Collider, center: Vec3, on: &Collider, under: Pose| {
+            let place = snap_collider(collider, turned, &under, on, point, Vec3::Y).unwrap();
+            place
+                .pose
+                .transform_point(center)
+                .distance(expected.position)
+        };
+        assert!(at(&hull, off, &brick, under) < 1e-5);
+        let moved = Pose {
+            position: under.transform_point(-off),
+            ..under
+        };
+        assert!(at(&brick, Vec3::ZERO, &hull, moved) < 1e-5);
+    }
+    let plane = Collider::half_space(Vec3::Y);
+    assert_eq!(
+        snap_collider(&brick, false, &under, &plane, point, Vec3::Y),
+        None
+    );
 }
 
 #[test]

@@ -399,6 +399,7 @@ impl Patches {
             max_recent_dt: DT,
             gravity: self.gravity,
             effort: 1.0,
+            broke: false,
             max_correction_speed: 2.0,
             settling: None,
             stays_awake: false,

@@ -1,33 +1,21 @@
 //! Saving to RON text by Bevy's scene format, and loading into another world: what stood stands, what slept sleeps, and bears its loads.
 
-use bevy_asset::{AssetPath, LoadFromPath, UntypedHandle};
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use bevy_world_serialization::serde::WorldDeserializer;
 use bevy_world_serialization::{DynamicWorldBuilder, WorldFilter};
 use drystone::body::BodyTable;
 use drystone::collider::ColliderShape;
+use drystone::fracture::{fracture, seeds};
 use drystone::prelude::*;
-use drystone::saving;
+use drystone::saving::{self, TextError};
 use drystone_lab::scenes::{Scene, SceneOptions};
 use parry3d::shape::SharedShape;
-use serde::de::DeserializeSeed;
-use std::any::TypeId;
 use support::Lab;
 
-struct NoAssets;
-
-impl LoadFromPath for NoAssets {
-    fn load_from_path_erased(&mut self, _: TypeId, _: AssetPath<'static>) -> UntypedHandle {
-        unreachable!("no scene here has assets")
-    }
-}
-
 fn save(world: &mut World) -> String {
-    let entities = saving::prepare(world);
-    save_as_it_is(world, entities)
+    saving::to_string(world).unwrap()
 }
 
 fn save_as_it_is(world: &mut World, entities: Vec<Entity>) -> String {
@@ -44,16 +32,7 @@ fn save_as_it_is(world: &mut World, entities: Vec<Entity>) -> String {
 
 /// Adds a scene to a world. Returns which entity has become which.
 fn load(world: &mut World, text: &str) -> EntityHashMap<Entity> {
-    let registry = world.resource::<AppTypeRegistry>().clone();
-    let scene = WorldDeserializer {
-        type_registry: &registry.read(),
-        load_from_path: &mut NoAssets,
-    };
-    let mut text = ron::de::Deserializer::from_str(text).unwrap();
-    let scene = scene.deserialize(&mut text).unwrap();
-    let mut map = EntityHashMap::default();
-    scene.write_to_world(world, &mut map).unwrap();
-    map
+    saving::from_str(world, text).unwrap()
 }
 
 /// A fresh world in which entities have other numbers.
@@ -486,6 +465,9 @@ fn shapes_come_back_bit_by_bit() {
             .collect();
         shapes.push(Collider::convex_hull(&points).unwrap());
     }
+    let block = Collider::cuboid(0.4, 0.2, 0.3);
+    let pieces = fracture(&block, &seeds(&block, 40, None, 0)).unwrap();
+    shapes.extend(pieces.into_iter().map(|piece| piece.collider));
     let mut lab = Lab::new();
     let parts = shapes[0..2].iter().chain(&shapes[13..14]).enumerate();
     let parts = parts.map(|(i, part)| {
@@ -776,10 +758,22 @@ fn a_sleeping_body_wakes_at_the_same_weight_after_loading() {
     }
 }
 
+#[test]
+fn text_that_is_no_scene_is_an_error() {
+    let mut lab = Lab::new();
+    lab.ground();
+    let text = save(&mut lab.world);
+    for wrong in ["", "(resources: {}", &text.replace("Collider", "Kollider")] {
+        let mut other = Lab::new();
+        let before = other.world.entities().len();
+        let read = saving::from_str(&mut other.world, wrong);
+        assert!(matches!(read, Err(TextError::Read(_))), "{read:?}");
+        assert_eq!(other.world.entities().len(), before);
+    }
+}
+
 /// The code of the cookbook's page about saving.
 mod cookbook {
-    use super::NoAssets;
-
     include!("../../src/cookbook/app/save.rs");
 
     #[test]

@@ -120,6 +120,13 @@ pub enum ColliderShape {
         /// Its corners, m. Points inside are allowed; [`Collider::description`] does not return them.
         points: Vec<Vec3>,
     },
+    /// A convex hull whose faces are known, as [`Collider::convex_polyhedron`].
+    ConvexPolyhedron {
+        /// m
+        corners: Vec<Vec3>,
+        /// Indices of the corners of each face, counterclockwise as seen from outside.
+        faces: Vec<Vec<u32>>,
+    },
     /// A surface of triangles, as [`Collider::trimesh`].
     TriMesh {
         /// m
@@ -248,8 +255,14 @@ fn describe(shape: &SharedShape, hull: Option<&Polyhedron>) -> Option<ColliderSh
                 border: round.border_radius,
             }
         }
-        TypedShape::ConvexPolyhedron(parry) => ColliderShape::ConvexHull {
-            points: hull.map_or(parry.points(), |hull| &hull.points).to_vec(),
+        TypedShape::ConvexPolyhedron(parry) => match hull {
+            Some(hull) if hull.has_given_faces() => ColliderShape::ConvexPolyhedron {
+                corners: hull.points.to_vec(),
+                faces: hull.outlines().collect(),
+            },
+            _ => ColliderShape::ConvexHull {
+                points: hull.map_or(parry.points(), |hull| &hull.points).to_vec(),
+            },
         },
         TypedShape::TriMesh(mesh) => mesh_of(mesh),
         TypedShape::HeightField(field) => {
@@ -277,7 +290,7 @@ impl TryFrom<ColliderShape> for Collider {
     /// Makes the collider.
     ///
     /// # Errors
-    /// Those of [`Collider::convex_hull`], [`Collider::trimesh`], [`Collider::height_field`] and [`Collider::compound`]. A size that is
+    /// Those of [`Collider::convex_hull`], [`Collider::convex_polyhedron`], [`Collider::trimesh`], [`Collider::height_field`] and [`Collider::compound`]. A size that is
     /// invalid is no error here: a body with such a collider is reported and disabled, as [`Collider::is_degenerate`] says.
     fn try_from(shape: ColliderShape) -> Result<Self, ColliderError> {
         let shape = match shape {
@@ -344,6 +357,9 @@ impl TryFrom<ColliderShape> for Collider {
                 border_radius: border,
             }),
             ColliderShape::ConvexHull { points } => return Self::convex_hull(&points),
+            ColliderShape::ConvexPolyhedron { corners, faces } => {
+                return Self::convex_polyhedron(&corners, &faces);
+            }
             ColliderShape::TriMesh {
                 vertices,
                 triangles,

@@ -146,7 +146,7 @@ impl From<SharedShape> for Collider {
 }
 
 impl Collider {
-    /// A ball with this radius, m.
+    /// A ball with this radius, m. On a level floor it rolls on and on, unless it has [`RollingFriction`].
     pub fn ball(radius: f32) -> Self {
         SharedShape::ball(radius).into()
     }
@@ -161,7 +161,8 @@ impl Collider {
         SharedShape::round_cuboid(0.5 * x, 0.5 * y, 0.5 * z, border).into()
     }
 
-    /// A cylinder around the y axis, with its radius and full height, m.
+    /// A cylinder around the y axis, with its radius and full height, m. On its side it rolls on and on, unless it has
+    /// [`RollingFriction`].
     pub fn cylinder(radius: f32, height: f32) -> Self {
         // Not by its constructor, which panics on a negative size; the stage *prepare* finds that.
         SharedShape::new(Cylinder {
@@ -180,7 +181,8 @@ impl Collider {
         .into()
     }
 
-    /// A capsule around the y axis, with its radius and the length of its cylindrical part, m.
+    /// A capsule around the y axis, with its radius and the length of its cylindrical part, m. It rolls on and on, unless it has
+    /// [`RollingFriction`].
     pub fn capsule(radius: f32, length: f32) -> Self {
         SharedShape::capsule_y(0.5 * length, radius).into()
     }
@@ -201,7 +203,23 @@ impl Collider {
     /// [`ColliderError::DegenerateHull`] if the points enclose (nearly) no volume or are not finite. [`ColliderError::TooManyCorners`] if
     /// the hull has more than [`Polyhedron::MAX_CORNERS`] corners; the number of points is not limited.
     pub fn convex_hull(points: &[Vec3]) -> Result<Self, ColliderError> {
-        let polyhedron = Polyhedron::new(points)?;
+        Self::of_polyhedron(Polyhedron::new(points)?)
+    }
+
+    /// A convex polyhedron with these corners, m, and faces: loops of the indices of corners, counterclockwise as seen from outside. It is
+    /// made twice as fast as the [hull](Self::convex_hull) of the corners. Each of them must be a corner of every face that it touches, and
+    /// faces must not lie in one plane.
+    ///
+    /// # Errors
+    /// As [`convex_hull`](Self::convex_hull), and [`ColliderError::DegenerateHull`] if the faces do not form a closed convex surface.
+    pub fn convex_polyhedron(
+        corners: &[Vec3],
+        faces: &[impl AsRef<[u32]>],
+    ) -> Result<Self, ColliderError> {
+        Self::of_polyhedron(Polyhedron::of_faces(corners, faces)?)
+    }
+
+    fn of_polyhedron(polyhedron: Polyhedron) -> Result<Self, ColliderError> {
         let shape = solid::to_parry(&polyhedron)?;
         let solid = Solid::Hull(polyhedron.into());
         let hull = Self { shape, solid };
@@ -345,6 +363,9 @@ impl Collider {
     /// Mass, centre of mass and moments of inertia at a density of 1 kg/m³. Hulls are computed in double precision, other shapes by
     /// parry.
     pub(crate) fn mass_properties(&self) -> parry3d::mass_properties::MassProperties {
+        if let Some(hull) = self.polyhedron() {
+            return hull.mass();
+        }
         let solid = self.solid.moments(&self.shape);
         let found = solid.map_or_else(|| self.shape.mass_properties(1.0), solid::to_parry_mass);
         let bounds = self.shape.compute_local_aabb();

@@ -503,6 +503,8 @@ pub struct BodyTable {
     )]
     last_properties: Option<Arc<BodyProperties>>,
     spawn_orders: u64,
+    /// The spawn orders of the pieces of bodies that broke last.
+    pieces: [u64; 2],
     visits: u64,
     /// The change tick of the last visit of *prepare*, in the world that the table is in.
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -525,6 +527,7 @@ clone_fields!(BodyTable {
     not_colliding,
     last_properties,
     spawn_orders,
+    pieces,
     visits,
     visited_at,
 });
@@ -536,6 +539,7 @@ pub(crate) struct Noted {
     reduced: Vec<Entity>,
     left: Vec<(Entity, BodyIndex)>,
     spawn_orders: u64,
+    pieces: [u64; 2],
 }
 
 #[cfg(feature = "serde")]
@@ -692,6 +696,24 @@ impl BodyTable {
         SpawnOrder(self.spawn_orders - 1)
     }
 
+    /// The number of the next body in the order of spawning.
+    pub(crate) fn spawned(&self) -> u64 {
+        self.spawn_orders
+    }
+
+    /// Notes that the bodies spawned from this number on are pieces of another one.
+    pub(crate) fn note_pieces(&mut self, first: u64) {
+        if self.pieces[1] != first {
+            self.pieces[0] = first;
+        }
+        self.pieces[1] = self.spawn_orders;
+    }
+
+    /// Whether a body is a piece of one that broke since the last step.
+    pub(crate) fn broke_off(&self, body: &BodyState) -> bool {
+        body.arrived && (self.pieces[0]..self.pieces[1]).contains(&body.spawn_order.0)
+    }
+
     /// Number of visits of *prepare*.
     pub(crate) fn visits(&self) -> u64 {
         self.visits
@@ -714,6 +736,7 @@ impl BodyTable {
             reduced: self.reduced.clone(),
             left: self.left.clone(),
             spawn_orders: self.spawn_orders,
+            pieces: self.pieces,
         }
     }
 
@@ -723,6 +746,7 @@ impl BodyTable {
         self.reduced = noted.reduced;
         self.left = noted.left;
         self.spawn_orders = noted.spawn_orders;
+        self.pieces = noted.pieces;
     }
 
     /// Bodies that lost a component that describes them, or their parent, since the last *prepare*.

@@ -1,36 +1,17 @@
 use bevy_app::App;
-use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use bevy_world_serialization::serde::WorldDeserializer;
-use bevy_world_serialization::{DynamicWorldBuilder, WorldFilter};
 use drystone::masonry::Arch;
 use drystone::prelude::*;
 use drystone::saving;
-use serde::de::DeserializeSeed;
 
+/// In a game it goes into a file. A system that has no `&mut World` queues it as a command.
 fn save(world: &mut World) -> String {
-    let entities = saving::prepare(world); // and your own
-    let registry = world.resource::<AppTypeRegistry>().clone();
-    let scene = DynamicWorldBuilder::from_world(world, &registry.read())
-        .with_component_filter(WorldFilter::Denylist(saving::computed(world).collect()))
-        .with_resource_filter(WorldFilter::Allowlist(saving::settings().collect())) // and your own
-        .extract_entities(entities.into_iter())
-        .extract_resources()
-        .build();
-    scene.serialize(&registry.read()).unwrap()
+    saving::to_string(world).unwrap() // `to_string_with` for entities and resources of your own
 }
 
-/// In a game, the asset server does this with a file.
 fn load(world: &mut World, text: &str) {
-    let registry = world.resource::<AppTypeRegistry>().clone();
-    let scene = WorldDeserializer {
-        type_registry: &registry.read(),
-        load_from_path: &mut NoAssets,
-    };
-    let mut text = ron::de::Deserializer::from_str(text).unwrap();
-    let scene = scene.deserialize(&mut text).unwrap();
-    scene.write_to_world(world, &mut EntityHashMap::default()).unwrap();
+    saving::from_str(world, text).unwrap();
 }
 
 fn an_arch_is_saved_and_loaded() {

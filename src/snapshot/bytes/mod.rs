@@ -36,7 +36,7 @@ use stream::{Reader, Writer};
 const NAME: &[u8; 8] = b"DRYSTONE";
 
 /// The version of the format.
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 
 /// The name of the [slips] in messages.
 const SLIPS: &str = "valid slips";

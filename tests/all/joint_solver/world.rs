@@ -185,6 +185,7 @@ impl World {
             max_recent_dt: dt,
             gravity: self.gravity,
             effort: 1.0,
+            broke: false,
             max_correction_speed: 2.0,
             settling: None,
             stays_awake: false,

@@ -150,3 +150,53 @@ fn the_state_is_replaced() {
     assert_eq!(changes(&recorded), [11, 30, 40, 45, 60, 65, 70]);
     replays("replaced", &recorded);
 }
+
+/// Bodies that break spawn others during a step; the user then moves, changes and removes some of those.
+#[test]
+fn pieces_of_bodies_that_break_are_known() {
+    let (mut world, bodies) = scene("wall:4x3");
+    for &brick in &bodies {
+        let debris = Debris {
+            lifetime: 0.9,
+            ..Default::default()
+        };
+        let rules = Fracturable {
+            energy: 5.0,
+            again: 1,
+            debris: Some(debris),
+            ..Default::default()
+        };
+        world.entity_mut(brick).insert(rules);
+    }
+    steps(&mut world, 20);
+    let pieces = |world: &mut World| -> Vec<Entity> {
+        let mut all = world.query::<(Entity, &SpawnOrder, &Debris)>();
+        let mut all: Vec<_> = all.iter(world).map(|of| (*of.1, of.0)).collect();
+        all.sort_unstable();
+        all.into_iter().map(|(_, piece)| piece).collect()
+    };
+    let recorded = record(world, 90, |world, step| match step {
+        3 => {
+            let ball = (
+                RigidBody::Dynamic,
+                Collider::ball(0.2),
+                Mass(50.0),
+                place(0.2, 0.8),
+            );
+            let ball = world.spawn(ball).id();
+            let at = Vec3::new(0.2, 0.8, 3.0);
+            world.get_mut::<Transform>(ball).unwrap().translation = at;
+            *world.get_mut::<Velocity>(ball).unwrap() = Velocity::linear(-20.0 * Vec3::Z);
+        }
+        25 => {
+            let pieces = pieces(world);
+            assert!(pieces.len() > 8, "{} pieces", pieces.len());
+            *world.get_mut::<Velocity>(pieces[0]).unwrap() = Velocity::linear(Vec3::Y);
+            world.entity_mut(pieces[1]).insert(Friction::new(0.1));
+            world.despawn(pieces[2]);
+        }
+        40 => _ = drystone::fracture::shatter(world, bodies[0], None),
+        _ => (),
+    });
+    replays("fracture", &recorded);
+}

@@ -2,10 +2,11 @@
 
 use super::lattice::Lattice;
 use super::outlines::newell;
-use super::{Edge, Face, Polyhedron};
+use super::{Edge, Face, Moments, Polyhedron};
 use crate::body::collider::ColliderError;
 use crate::solver::sort;
 use glam::{DVec3, Vec3};
+use parry3d::mass_properties::MassProperties;
 
 /// Tolerance for a corner outside the plane of a face, as a multiple of the lattice's slack. It is larger than 1 because a plane was fitted
 /// to more vertices than the corners that are left.
@@ -19,16 +20,16 @@ const CORNER_TOLERANCE: f64 = 2.0;
 pub(super) fn join(
     points: &[Vec3],
     lattice: &Lattice,
-    outlines: &[Vec<u32>],
+    outlines: &[impl AsRef<[u32]>],
 ) -> Result<Polyhedron, ColliderError> {
-    let mut used: Vec<u32> = outlines.iter().flatten().copied().collect();
+    let mut used: Vec<u32> = outlines.iter().flat_map(AsRef::as_ref).copied().collect();
     used.sort_unstable();
     used.dedup();
     if used.len() > Polyhedron::MAX_CORNERS {
         return Err(ColliderError::TooManyCorners(used.len()));
     }
     let place = |i: &u32| used.binary_search(i).unwrap_or_default() as u16;
-    let corners: Box<[u16]> = outlines.iter().flatten().map(place).collect();
+    let corners: Box<[u16]> = outlines.iter().flat_map(AsRef::as_ref).map(place).collect();
     let points: Box<[Vec3]> = used.iter().map(|&i| points[i as usize]).collect();
 
     let slack = lattice.slack * lattice.step;
@@ -36,7 +37,7 @@ pub(super) fn join(
     let faces: Option<Box<[Face]>> = outlines
         .iter()
         .map(|outline| {
-            let range = first..first + outline.len();
+            let range = first..first + outline.as_ref().len();
             first = range.end;
             face(&points, &corners, range, slack)
         })
@@ -58,8 +59,13 @@ pub(super) fn join(
         center: Vec3::ZERO,
         inner: 0.0,
         outer: 0.0,
+        has_given_faces: false,
+        moments: Moments::default(),
+        mass: MassProperties::default(),
     };
-    polyhedron.center = polyhedron.moments().centroid.as_vec3();
+    polyhedron.moments = Moments::of(&polyhedron);
+    polyhedron.mass = polyhedron.moments.rounded();
+    polyhedron.center = polyhedron.moments.centroid.as_vec3();
     let center = polyhedron.center.as_dvec3();
     let depth_of_center = |face: &Face| {
         let on = polyhedron.points[usize::from(polyhedron.corners[face.first as usize])];

@@ -14,6 +14,7 @@ pub use moments::Moments;
 
 use super::ColliderError;
 use glam::Vec3;
+use parry3d::mass_properties::MassProperties;
 use std::ops::Range;
 
 /// A convex polyhedron in its body's frame: corners, faces and edges, and how they are connected. Lengths are in metres.
@@ -46,6 +47,10 @@ pub struct Polyhedron {
     pub inner: f32,
     /// Radius of a ball around [`center`](Self::center) that contains the polyhedron, m.
     pub outer: f32,
+    has_given_faces: bool,
+    moments: Moments,
+    /// The same as parry's mass properties. Each component of a body that changes its mass asks for them.
+    mass: MassProperties,
 }
 
 /// A face of a [`Polyhedron`].
@@ -89,6 +94,32 @@ impl Polyhedron {
         join::join(points, &lattice, &outlines)
     }
 
+    /// The polyhedron with these corners, m, and faces; see [`Collider::convex_polyhedron`](super::Collider::convex_polyhedron).
+    pub(super) fn of_faces(
+        corners: &[Vec3],
+        faces: &[impl AsRef<[u32]>],
+    ) -> Result<Self, ColliderError> {
+        let lattice = lattice::Lattice::new(corners).ok_or(ColliderError::DegenerateHull)?;
+        let mut all = faces.iter().flat_map(AsRef::as_ref);
+        if all.any(|&corner| corner as usize >= corners.len()) {
+            return Err(ColliderError::DegenerateHull);
+        }
+        let mut polyhedron = join::join(corners, &lattice, faces)?;
+        polyhedron.has_given_faces = true;
+        Ok(polyhedron)
+    }
+
+    /// Whether it was made from its faces. The hull of its corners may have them in another order.
+    pub(super) fn has_given_faces(&self) -> bool {
+        self.has_given_faces
+    }
+
+    /// The corners of each face.
+    pub(super) fn outlines(&self) -> impl Iterator<Item = Vec<u32>> + '_ {
+        let faces = (0..self.faces.len()).map(|face| self.corners_of(face));
+        faces.map(|corners| corners.iter().map(|&corner| corner.into()).collect())
+    }
+
     /// The indices of a face's corners, counterclockwise as seen from outside.
     ///
     /// # Panics
@@ -119,7 +150,12 @@ impl Polyhedron {
 
     /// Volume, centroid and inertia at a density of 1 kg/m³.
     pub fn moments(&self) -> Moments {
-        Moments::of(self)
+        self.moments
+    }
+
+    /// Mass, centre of mass and inertia at a density of 1 kg/m³, as parry's mass properties.
+    pub(super) fn mass(&self) -> MassProperties {
+        self.mass
     }
 
     /// The surface as triangles: each face as a fan.

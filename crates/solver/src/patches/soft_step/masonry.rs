@@ -198,6 +198,7 @@ impl Masonry {
             max_recent_dt: DT,
             gravity: self.gravity,
             effort: 1.0,
+            broke: false,
             max_correction_speed: 2.0,
             settling: None,
             stays_awake: false,

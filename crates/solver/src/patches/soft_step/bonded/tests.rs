@@ -63,6 +63,7 @@ fn solve(bodies: &mut [Body], joints: &mut [JointConstraint]) {
         max_recent_dt: DT,
         gravity: Vec3::ZERO,
         effort: 1.0,
+        broke: false,
         max_correction_speed: 1.0,
         settling: None,
         stays_awake: true,

@@ -13,6 +13,9 @@ use smallvec::SmallVec;
 /// Upper bound of visits to the supports of one body, which share its load.
 const MAX_VISITS: usize = 200;
 
+/// The same for pieces of bodies that have just broken, which hardly stay as they are.
+const MAX_VISITS_OF_PIECES: usize = 20;
+
 /// Visits end when they change less than this share of the body's new load or of its weight, whichever is larger.
 const SETTLED_SHARE: f32 = 1e-5;
 
@@ -335,12 +338,16 @@ fn share(
     for (_, push) in feet.iter_mut().flat_map(|foot| &mut foot.normals) {
         push.set(left * push.row.impulse + equal, body, motion);
     }
+    let most = match problem.broke {
+        true => MAX_VISITS_OF_PIECES,
+        false => MAX_VISITS,
+    };
     // Friction is used only where normals give no balance, since springs would have to hold it.
     for with_friction in [false, true] {
         if with_friction && motion.iter().all(|part| part.length() < still) {
             break;
         }
-        for _ in 0..MAX_VISITS {
+        for _ in 0..most {
             let mut changed = 0f32;
             for foot in feet.iter_mut() {
                 changed = changed.max(foot.push(body, motion));

@@ -101,6 +101,7 @@ impl New {
         // Statics knows neither joints nor bodies that slide.
         let all = 2 * new > moved.count()
             && jointed.is_empty()
+            && !problem.broke
             && !bodies.iter().any(|[_, slides, _]| *slides)
             && problem.bodies.iter().all(|body| slower(body, fall));
         let bodies: Vec<bool> = bodies

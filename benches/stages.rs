@@ -216,6 +216,7 @@ fn soft_step(criterion: &mut Criterion) {
             max_recent_dt: DT,
             gravity: Vec3::NEG_Y * 9.81,
             effort: 1.0,
+            broke: false,
             max_correction_speed: 2.0,
             settling: None,
             stays_awake: false,

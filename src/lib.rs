@@ -160,6 +160,7 @@ pub mod stabilization;
 pub mod state;
 mod stored;
 pub mod streaming;
+pub mod voxels;
 pub mod warm_start;
 
 #[doc(inline)]
@@ -217,6 +218,7 @@ pub mod prelude {
         ContactSolver, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
         SpeedLimits, StabilizationSettings, Waking,
     };
+    pub use crate::voxels::{VoxelChunk, Voxels};
     pub use crate::{DrystonePlugins, step};
     pub use glam::{BVec3, Quat, Vec3};
 }

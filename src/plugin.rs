@@ -32,6 +32,7 @@ use crate::settings::{
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
 use crate::streaming::{self, Arrivals, Suspended};
+use crate::voxels::{VoxelPlugin, VoxelSystems};
 use crate::warm_start::{self, IslandProblems};
 use crate::{integration, joint, narrowphase, solve};
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate};
@@ -96,6 +97,7 @@ impl PluginGroup for DrystonePlugins {
             .add(CharacterPlugin)
             .add(FracturePlugin)
             .add(CasterPlugin)
+            .add(VoxelPlugin)
     }
 }
 
@@ -512,7 +514,8 @@ impl Plugin for RefreshPlugin {
                     children::assemble,
                     body::refresh,
                 )
-                    .chain(),
+                    .chain()
+                    .after(VoxelSystems),
             )
             .add_systems(
                 PreUpdate,
@@ -555,7 +558,7 @@ mod tests {
     }
 
     /// Every plugin but `StepPlugin`, by its name.
-    const OTHERS: [(&str, Add); 17] = [
+    const OTHERS: [(&str, Add); 18] = [
         ("BodyPlugin", |app| _ = app.add_plugins(BodyPlugin)),
         ("CollisionPlugin", |app| {
             _ = app.add_plugins(CollisionPlugin)
@@ -585,6 +588,7 @@ mod tests {
         }),
         ("FracturePlugin", |app| _ = app.add_plugins(FracturePlugin)),
         ("CasterPlugin", |app| _ = app.add_plugins(CasterPlugin)),
+        ("VoxelPlugin", |app| _ = app.add_plugins(VoxelPlugin)),
         ("CollapsePlugin", |app| _ = app.add_plugins(CollapsePlugin)),
         ("HandPlugin", |app| _ = app.add_plugins(HandPlugin)),
     ];

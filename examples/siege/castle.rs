@@ -26,12 +26,31 @@ const BRITTLE: Fracturable = Fracturable {
     again: 0,
     mortar: None,
     debris: Some(Debris {
-        lifetime: 20.0,
+        lifetime: 8.0,
         fade: 1.0,
         most: 200,
         age: 0.0,
     }),
 };
+
+/// Bricks that have broken, which the keeper replaces.
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(Resource)]
+pub struct Broken {
+    /// Each with the edges of its collider, m.
+    pub bricks: Vec<(Brick, Vec3)>,
+}
+
+/// Observer: notes a brick that breaks.
+pub fn note_broken(
+    fractured: On<Fractured>,
+    bricks: Query<(&Brick, &Collider)>,
+    mut broken: ResMut<Broken>,
+) {
+    if let Ok((brick, collider)) = bricks.get(fractured.body) {
+        broken.bricks.push((*brick, 2.0 * collider.half_extents()));
+    }
+}
 
 /// Lays the ground and the castle.
 pub fn build(world: &mut World) {
@@ -86,16 +105,29 @@ fn lay(
             position: home,
             rotation: turn,
         } = block.pose;
-        let layers = CollisionLayers::new(Layer::Things, LayerMask::ALL);
-        let brick = (
-            block.bundle(),
-            Brick { home, turn, aside },
-            layers,
-            Watch::default(),
-        );
-        world.spawn(brick).id()
+        let brick = Brick { home, turn, aside };
+        world.spawn((block.bundle(), brick, of_the_castle())).id()
     });
     bricks.collect()
+}
+
+/// The components that every brick of the castle has.
+fn of_the_castle() -> impl Bundle {
+    let layers = CollisionLayers::new(Layer::Things, LayerMask::ALL);
+    (layers, Watch::default())
+}
+
+/// Lays a new brick in the place of one that broke.
+pub fn replace(world: &mut World, brick: Brick, collider: Collider) {
+    let at = Transform::from_translation(brick.home).with_rotation(brick.turn);
+    world.spawn((
+        RigidBody::Dynamic,
+        collider,
+        at,
+        brick,
+        BRITTLE,
+        of_the_castle(),
+    ));
 }
 
 /// How far a brick is from where it was laid, m.

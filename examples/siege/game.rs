@@ -71,7 +71,10 @@ pub struct Game {
 fn app() -> App {
     let mut app = App::new();
     app.add_plugins((DrystonePlugins::default(), CollapsePlugin));
-    app.init_resource::<Tally>().init_resource::<Clock>();
+    app.init_resource::<Tally>()
+        .init_resource::<Clock>()
+        .init_resource::<castle::Broken>()
+        .add_observer(castle::note_broken);
     save::register(&mut app);
     app
 }

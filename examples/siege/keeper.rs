@@ -1,6 +1,6 @@
 //! The keeper of the castle: watches a wall that nobody touches, puts fallen bricks back, and undoes an edit.
 
-use crate::castle::{Brick, moved};
+use crate::castle::{Brick, Broken, moved, replace};
 use crate::game::{Clock, Tally};
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
@@ -78,42 +78,51 @@ fn watch(world: &mut World, clock: Clock, faults: &mut Vec<String>) {
     }
 }
 
-/// Puts bricks back that have fallen, from below, where there is room for them.
+/// Puts bricks back that have fallen, and new ones in the place of those that broke, from below, where there is room for them.
 fn repair(world: &mut World) {
     let mut bricks = world.query::<(Entity, &Brick, &Transform, &Collider)>();
     let fallen = bricks
         .iter(world)
         .filter(|(_, brick, at, _)| moved(brick, at) > FALLEN);
-    let mut fallen: Vec<_> = fallen
-        .map(|(entity, brick, _, collider)| (entity, *brick, collider.clone()))
-        .collect();
-    fallen.sort_by(|one, other| {
-        one.1
-            .home
-            .y
-            .total_cmp(&other.1.home.y)
-            .then(one.0.cmp(&other.0))
+    let fallen =
+        fallen.map(|(entity, brick, _, collider)| (*brick, Some(entity), collider.clone()));
+    let mut missing: Vec<(Brick, Option<Entity>, Collider)> = fallen.collect();
+    let broken = std::mem::take(&mut world.resource_mut::<Broken>().bricks);
+    missing.extend(broken.into_iter().map(|(brick, size)| {
+        let collider = Collider::cuboid(size.x, size.y, size.z);
+        (brick, None, collider)
+    }));
+    missing.sort_by(|one, other| {
+        let order = one.0.home.y.total_cmp(&other.0.home.y);
+        order.then(one.1.cmp(&other.1))
     });
     let mut repaired = 0;
-    for (brick, Brick { home, turn, .. }, collider) in fallen {
+    for (brick, entity, collider) in missing {
         let pose = Pose {
-            position: home,
-            rotation: turn,
+            position: brick.home,
+            rotation: brick.turn,
         };
+        let filter = QueryFilter::default();
         let fits = spatial_query(world, |query| {
-            query.fits(
-                &collider,
-                pose,
-                0.01,
-                &QueryFilter::default().excluding(&[brick]),
-            )
+            query.fits(&collider, pose, 0.01, &filter.excluding(entity.as_slice()))
         });
-        if fits.unwrap_or(false) {
-            let place = Transform::from_translation(home).with_rotation(turn);
-            world.entity_mut(brick).insert((place, Velocity::default()));
-            drystone::refresh(world);
-            repaired += 1;
+        match (fits.unwrap_or(false), entity) {
+            (true, Some(entity)) => {
+                let place = Transform::from_translation(brick.home).with_rotation(brick.turn);
+                world
+                    .entity_mut(entity)
+                    .insert((place, Velocity::default()));
+            }
+            (true, None) => replace(world, brick, collider),
+            (false, Some(_)) => continue,
+            (false, None) => {
+                let size = 2.0 * collider.half_extents();
+                world.resource_mut::<Broken>().bricks.push((brick, size));
+                continue;
+            }
         }
+        drystone::refresh(world);
+        repaired += 1;
     }
     world.resource_mut::<Tally>().repaired += repaired;
 }

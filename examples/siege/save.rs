@@ -1,6 +1,6 @@
 //! Saving and loading the whole game as text, in Bevy's scene format.
 
-use crate::castle::Brick;
+use crate::castle::{Brick, Broken};
 use crate::drawbridge::{BridgeRope, Deck};
 use crate::game::{Clock, Tally};
 use crate::lift::{Platform, Slider};
@@ -27,12 +27,17 @@ pub fn register(app: &mut App) {
         .register_type::<Sling>()
         .register_type::<Stone>()
         .register_type::<Clock>()
-        .register_type::<Tally>();
+        .register_type::<Tally>()
+        .register_type::<Broken>();
 }
 
 /// The game as text.
 pub fn write(world: &mut World) -> String {
-    let own = [TypeId::of::<Clock>(), TypeId::of::<Tally>()];
+    let own = [
+        TypeId::of::<Clock>(),
+        TypeId::of::<Tally>(),
+        TypeId::of::<Broken>(),
+    ];
     saving::to_string_with(world, &[], &own).expect("all of it can be written")
 }
 

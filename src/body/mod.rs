@@ -12,6 +12,7 @@
 pub mod collider;
 mod disabled;
 mod inactive;
+mod kept_components;
 mod list;
 #[expect(
     missing_debug_implementations,
@@ -35,6 +36,7 @@ pub(crate) use disabled::Simulated;
 pub use disabled::{ColliderDisabled, RigidBodyDisabled};
 pub use inactive::Inactive;
 pub(crate) use inactive::{InactiveBodies, note_written};
+pub(crate) use kept_components::kept_components;
 #[cfg(feature = "bevy_reflect")]
 pub(crate) use listed::register;
 pub(crate) use listed::visit;

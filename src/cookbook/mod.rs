@@ -20,6 +20,7 @@
 //! | [`breakable_joint`] | A joint that breaks |
 //! | [`mortar`] | A wall that breaks |
 //! | [`fracture`] | Things that break into pieces |
+//! | [`voxels`] | A hill that is dug |
 //! | [`trigger_zone`] | A trigger zone |
 //! | [`hit_sound`] | The sound of a hit |
 //! | [`stairs`] | A character that climbs stairs |
@@ -89,6 +90,9 @@ pub mod mortar {}
 
 #[doc = include_str!("building/fracture.md")]
 pub mod fracture {}
+
+#[doc = include_str!("building/voxels.md")]
+pub mod voxels {}
 
 #[doc = include_str!("playing/trigger_zone.md")]
 pub mod trigger_zone {}

@@ -1,12 +1,11 @@
 //! Replaces a body by its pieces.
 
-use super::copies;
 use super::patterns::{self, Plan};
 use super::{Debris, Fracturable, FractureError, Piece};
 use crate::body::collider::{Collider, Moments};
 use crate::body::{
     BodyIndex, BodyTable, CompoundCollider, Density, MassProperties, Pose, RigidBody,
-    RigidBodyDisabled, SpawnOrder, Velocity,
+    RigidBodyDisabled, SpawnOrder, Velocity, kept_components,
 };
 use crate::stored::erased::Values;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
@@ -172,7 +171,7 @@ impl Breaking {
         let density = f64::from(self.mass.mass()) / whole.volume;
         let motion = self.motion(&whole, density);
         let placed = Placed::of(world, self);
-        let copies = copies::of(world, self.body);
+        let copies = kept_components(world, self.body);
         let first = world.resource::<BodyTable>().spawned();
         let spawned = pieces.iter().zip(&moments).map(|(piece, of)| {
             let body = (

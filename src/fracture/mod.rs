@@ -43,7 +43,6 @@
 mod blow;
 mod break_up;
 mod cell;
-mod copies;
 mod debris;
 mod patterns;
 mod pieces;

@@ -43,6 +43,7 @@ use crate::settings::{
     SpeedLimits, StabilizationSettings, StepTime,
 };
 use crate::streaming::{Arrivals, Suspended};
+use crate::voxels::{VoxelChunk, Voxels};
 use crate::warm_start::IslandProblems;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::hierarchy::ChildOf;
@@ -95,7 +96,7 @@ state! {
     // Hands and characters.
     component Other { HandState, Hand, CharacterState, Character }
     // Bodies that break, and debris.
-    component Other { Fracturable, Debris }
+    component Other { Fracturable, Debris, Voxels, VoxelChunk }
     // Joints.
     component Joint { JointForces, BreakForce }
     component Other { JointDisabled, QuarantinedJoint }

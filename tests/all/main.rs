@@ -73,4 +73,5 @@ mod threads;
 mod time;
 mod traffic;
 mod unloading;
+mod voxels;
 mod waking;

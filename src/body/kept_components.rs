@@ -1,8 +1,8 @@
-//! The components that pieces take over from their body.
+//! The components that pieces of a body take over from it.
 
 use crate::body::collider::Collider;
 use crate::body::{
-    self, AngularInertia, CenterOfMass, CompoundCollider, Density, ExternalForce, Mass,
+    AngularInertia, CenterOfMass, CompoundCollider, Density, ExternalForce, Mass, listed,
 };
 use crate::stored::erased::{How, Kind, Values};
 use crate::stored::{Role, Stored, Visitor};
@@ -16,7 +16,7 @@ struct Kept(Vec<Kind>);
 
 static KEPT: LazyLock<Kept> = LazyLock::new(|| {
     let mut kept = Kept(Vec::new());
-    body::visit(&mut kept);
+    listed::visit(&mut kept);
     kept
 });
 
@@ -38,7 +38,7 @@ impl Visitor for Kept {
 }
 
 /// The components that pieces of a body take over, as lists of one value.
-pub(super) fn of(world: &World, body: Entity) -> Vec<Values> {
+pub(crate) fn kept_components(world: &World, body: Entity) -> Vec<Values> {
     let found = KEPT.0.iter().filter_map(|kind| {
         let cells = kind.read(world)?.entity(body)?;
         Some(Values::of(cells.values))

@@ -2,7 +2,7 @@
 //!
 //! Put [`RayCaster`] or [`ShapeCaster`] on any entity with a `Transform`: on a body, on a child of one (the muzzle of a gun, the feet of a
 //! robot), or on something that is no body, such as a camera. Origin and direction are in its frame. Unless it is told otherwise, a caster
-//! does not hit the body that it is on or below. For a question at another time, ask [`SpatialQuery`](crate::query::SpatialQuery).
+//! does not hit the body that it is on or below. For a question at another time, ask [`SpatialQuery`].
 //!
 //! ```
 //! use bevy_ecs::prelude::*;

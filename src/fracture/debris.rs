@@ -53,8 +53,8 @@ impl Debris {
     }
 
     fn is_over(&self) -> bool {
-        // NaN is no lifetime: such debris goes at once.
-        !(self.age < self.lifetime)
+        // Debris whose lifetime is no number goes at once.
+        self.age >= self.lifetime || self.lifetime.is_nan()
     }
 }
 

@@ -53,7 +53,7 @@ pub use debris::{Debris, debris};
 pub use pieces::{FractureError, Piece, fracture, seeds};
 
 use crate::components::{any_with, init};
-use crate::grab::refresh_for_hands;
+use crate::grab::{hands, refresh_for_hands};
 use crate::joint_types::Mortar;
 use crate::profile::{Profile, own};
 use crate::schedule::{AfterStep, PhysicsSchedule, PhysicsSystems, StepMessages};
@@ -89,6 +89,7 @@ impl Plugin for FracturePlugin {
                 .before(PhysicsSystems::Prepare)
                 // A hand that closes on a body that breaks grabs a piece.
                 .before(refresh_for_hands)
+                .before(hands)
                 .in_set(FractureSystems),
         );
         let world = app.world_mut();

@@ -29,6 +29,7 @@ use std::collections::BTreeMap;
 pub struct Voxels {
     size: f32,
     splits: bool,
+    ground: Option<i32>,
     /// Whether its chunks are bodies of their own.
     pub(super) divided: bool,
     /// Where its chunks are.
@@ -104,6 +105,7 @@ impl Voxels {
         Self {
             size,
             splits: true,
+            ground: None,
             divided: false,
             placed: Pose::default(),
             chunks: BTreeMap::new(),
@@ -117,6 +119,19 @@ impl Voxels {
     pub fn with_splits(mut self, splits: bool) -> Self {
         self.splits = splits;
         self
+    }
+
+    /// Has the cells of a static body up to this height, as a number of cells along y, stand on the ground: a part with such a cell stays
+    /// when it is cut off. Default: no cell does, and only the largest part stays.
+    #[must_use]
+    pub fn with_ground(mut self, ground: i32) -> Self {
+        self.ground = Some(ground);
+        self
+    }
+
+    /// The greatest y of cells that stand on the ground.
+    pub fn ground(&self) -> Option<i32> {
+        self.ground
     }
 
     /// The edge of a cell, m.
@@ -189,7 +204,8 @@ impl Voxels {
 
     /// Fills or empties all cells with their centre in a ball (m, in the frame of the entity). Returns how many that changed.
     pub fn set_ball(&mut self, center: Vec3, radius: f32, filled: bool) -> usize {
-        if !center.is_finite() || !(radius > 0.0 && radius.is_finite()) {
+        let is_ball = center.is_finite() && radius > 0.0 && radius.is_finite();
+        if !is_ball {
             return 0;
         }
         let (from, to) = (self.cell_at(center - radius), self.cell_at(center + radius));

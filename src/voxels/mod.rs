@@ -5,8 +5,8 @@
 //! while others play on it. (A hit on a chunk names the chunk; its [`VoxelChunk`] names the body with the grid.) A *dynamic* or *kinematic*
 //! body has one collider of few boxes, and its mass, inertia and centre of mass are those of its cells.
 //!
-//! What is no longer joined to the largest part after cells were emptied becomes a dynamic body with a grid of its own, unless
-//! [`Voxels::with_splits`] says otherwise; momentum is kept.
+//! What is no longer joined to the largest part after cells were emptied, or to the [ground](Voxels::with_ground) if there is one, becomes a
+//! dynamic body with a grid of its own, unless [`Voxels::with_splits`] says otherwise; momentum is kept.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -18,7 +18,7 @@
 //! # app.add_plugins(DrystonePlugins::default());
 //! # let world = app.world_mut();
 //! // A table of a thick post and a slab.
-//! let mut table = Voxels::new(0.25);
+//! let mut table = Voxels::new(0.25).with_ground(0);
 //! table.set_box(IVec3::new(-1, 0, -1), IVec3::new(1, 8, 1), true);
 //! table.set_box(IVec3::new(-6, 8, -6), IVec3::new(6, 9, 6), true);
 //! let table = world.spawn((RigidBody::Static, table)).id();
@@ -56,6 +56,7 @@ pub use sync::voxels;
 
 use crate::components::{any_with, init};
 use crate::fracture::FractureSystems;
+use crate::grab::{hands, refresh_for_hands};
 use crate::profile::{Profile, own};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems, RefreshSchedule};
 use bevy_app::{App, Plugin};
@@ -81,6 +82,8 @@ impl Plugin for VoxelPlugin {
                 .run_if(any_with(Components::component_id::<Voxels>))
                 .before(PhysicsSystems::Prepare)
                 .before(FractureSystems)
+                .before(refresh_for_hands)
+                .before(hands)
                 .in_set(VoxelSystems),
         );
         app.add_systems(RefreshSchedule, voxels.run_if(any).in_set(VoxelSystems));

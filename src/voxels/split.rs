@@ -2,9 +2,10 @@
 
 use super::Voxels;
 use super::grid::SIDES;
-use bevy_platform::collections::HashMap;
+use bevy_platform::collections::{HashMap, HashSet};
 use glam::IVec3;
-use std::collections::VecDeque;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, VecDeque};
 
 /// No more cells are visited after an edit: parts as large as that stay.
 const MAX_VISITS: usize = 1 << 20;
@@ -25,11 +26,16 @@ fn root_of(parts: &mut [Part], mut part: usize) -> usize {
     part
 }
 
-/// The parts that are no longer joined to the largest one after cells were emptied, each as its cells.
+/// The parts that are no longer joined to the largest one after cells were emptied, each as its cells. With a `ground`, those that have a
+/// cell at or below it stay, and the others are detached.
 ///
 /// Parts grow from the neighbours of the emptied cells, all at the same rate, and are one when they meet. Those that stop growing are
 /// detached. The last one need not be visited to its end, so the work is proportional to what comes off.
-pub(super) fn detached(voxels: &Voxels, emptied: &[[i32; 3]]) -> Vec<Vec<IVec3>> {
+pub(super) fn detached(
+    voxels: &Voxels,
+    emptied: &[[i32; 3]],
+    ground: Option<i32>,
+) -> Vec<Vec<IVec3>> {
     let mut seen: HashMap<IVec3, usize> = HashMap::default();
     let mut parts: Vec<Part> = Vec::new();
     for cell in emptied {
@@ -81,6 +87,27 @@ pub(super) fn detached(voxels: &Voxels, emptied: &[[i32; 3]]) -> Vec<Vec<IVec3>>
         growing.sort_unstable();
         growing.dedup();
     }
+    if let Some(ground) = ground
+        && !loose.is_empty()
+    {
+        let held = |cell: &IVec3| cell.y <= ground;
+        let standing = seen.iter().filter(|(cell, _)| held(cell));
+        let standing: Vec<usize> = standing.map(|(_, part)| *part).collect();
+        let standing = standing.into_iter().map(|part| root_of(&mut parts, part));
+        let standing: Vec<usize> = standing.collect();
+        let rest = growing
+            .first()
+            .copied()
+            .filter(|part| !standing.contains(part));
+        loose.retain(|part| !standing.contains(part));
+        // What is left is the largest part, but it may hang in the air now.
+        if let Some(rest) = rest
+            && let Some(cells) = hangs(voxels, &parts[rest].edge, held)
+        {
+            seen.extend(cells.into_iter().map(|cell| (cell, rest)));
+            loose.push(rest);
+        }
+    }
     if loose.is_empty() {
         return Vec::new();
     }
@@ -98,6 +125,30 @@ pub(super) fn detached(voxels: &Voxels, emptied: &[[i32; 3]]) -> Vec<Vec<IVec3>>
     }
     found.sort_unstable_by_key(|cells| cells[0].to_array());
     found
+}
+
+/// All cells that are joined to some, if none of them is held. The search goes down first, where the ground is.
+fn hangs(
+    voxels: &Voxels,
+    from: &VecDeque<IVec3>,
+    held: impl Fn(&IVec3) -> bool,
+) -> Option<HashSet<IVec3>> {
+    let mut seen: HashSet<IVec3> = from.iter().copied().collect();
+    let key = |cell: IVec3| (Reverse(cell.y), cell.x, cell.z);
+    let mut next: BinaryHeap<_> = from.iter().copied().map(key).collect();
+    while let Some((Reverse(y), x, z)) = next.pop() {
+        let cell = IVec3::new(x, y, z);
+        if held(&cell) || seen.len() > MAX_VISITS {
+            return None;
+        }
+        for side in SIDES {
+            let beside = cell + side;
+            if voxels.get(beside) && seen.insert(beside) {
+                next.push(key(beside));
+            }
+        }
+    }
+    Some(seen)
 }
 
 /// Makes two parts one. The one that was met goes on growing.
@@ -145,7 +196,7 @@ mod tests {
             for cell in &emptied {
                 voxels.set(IVec3::from_array(*cell), false);
             }
-            let mut found = detached(&voxels, &emptied);
+            let mut found = detached(&voxels, &emptied, None);
             found.sort_unstable_by_key(|part| (part.len(), part[0].to_array()));
             let expected = flooded(&voxels);
             // Of two that are as large either may be left.
@@ -156,6 +207,26 @@ mod tests {
         assert!(all > 200, "{all}");
     }
 
+    /// A slab on a post: without a ground the slab stays, with one the post. What stands on two posts stays on one.
+    #[test]
+    fn what_stands_on_the_ground_stays() {
+        let mut voxels = Voxels::new(1.0);
+        voxels.set_box(IVec3::new(0, 0, 0), IVec3::new(1, 6, 1), true);
+        voxels.set_box(IVec3::new(-5, 6, -5), IVec3::new(6, 7, 6), true);
+        let cut = |voxels: &mut Voxels, cell: IVec3, ground| {
+            voxels.set(cell, false);
+            let parts = detached(voxels, &[cell.to_array()], ground);
+            voxels.set(cell, true);
+            parts.iter().map(Vec::len).collect::<Vec<_>>()
+        };
+        let post = IVec3::new(0, 3, 0);
+        assert_eq!(cut(&mut voxels, post, None), [3]);
+        assert_eq!(cut(&mut voxels, post, Some(0)), [2 + 121]);
+        voxels.set_box(IVec3::new(4, 0, 4), IVec3::new(5, 6, 5), true);
+        assert_eq!(cut(&mut voxels, post, Some(0)), []);
+        assert_eq!(cut(&mut voxels, IVec3::new(0, 0, 0), Some(0)), []);
+    }
+
     /// A cell from a large solid is no reason to visit all of it.
     #[test]
     fn a_cell_from_a_large_solid_costs_little() {
@@ -164,7 +235,7 @@ mod tests {
         let cell = IVec3::splat(30);
         voxels.set(cell, false);
         let start = std::time::Instant::now();
-        assert!(detached(&voxels, &[cell.to_array()]).is_empty());
+        assert!(detached(&voxels, &[cell.to_array()], None).is_empty());
         assert!(start.elapsed().as_millis() < 50);
     }
 }

@@ -46,7 +46,7 @@ fn update(world: &mut World, body: Entity, is_static: bool) {
     let emptied = std::mem::take(&mut grid.emptied);
     let parts = match emptied.is_empty() {
         true => Vec::new(),
-        false => split::detached(&grid, &emptied),
+        false => split::detached(&grid, &emptied, grid.ground().filter(|_| is_static)),
     };
     let before = match parts.is_empty() {
         true => 0,

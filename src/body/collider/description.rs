@@ -6,7 +6,7 @@ use super::{Collider, ColliderError};
 use bevy_reflect::Reflect;
 use glam::{Quat, Vec3};
 use parry3d::shape::{
-    Capsule, Cone, Cuboid, Cylinder, HalfSpace, RoundShape, Segment, SharedShape, TriMesh,
+    Capsule, Cone, Cuboid, Cylinder, HalfSpace, RoundShape, Segment, Shape, SharedShape, TriMesh,
     Triangle, TypedShape,
 };
 
@@ -284,6 +284,17 @@ fn mesh_of(mesh: &TriMesh) -> ColliderShape {
     }
 }
 
+/// A shape, enlarged by a border (m) on all sides.
+fn round<S>(inner_shape: S, border_radius: f32) -> SharedShape
+where
+    RoundShape<S>: Shape,
+{
+    SharedShape::new(RoundShape {
+        inner_shape,
+        border_radius,
+    })
+}
+
 impl TryFrom<ColliderShape> for Collider {
     type Error = ColliderError;
 
@@ -299,10 +310,7 @@ impl TryFrom<ColliderShape> for Collider {
             ColliderShape::RoundCuboid {
                 half_extents,
                 border,
-            } => SharedShape::new(RoundShape {
-                inner_shape: Cuboid { half_extents },
-                border_radius: border,
-            }),
+            } => round(Cuboid { half_extents }, border),
             ColliderShape::Capsule {
                 ends: [a, b],
                 radius,
@@ -321,13 +329,13 @@ impl TryFrom<ColliderShape> for Collider {
                 radius,
                 half_height,
                 border,
-            } => SharedShape::new(RoundShape {
-                inner_shape: Cylinder {
+            } => {
+                let inner = Cylinder {
                     half_height,
                     radius,
-                },
-                border_radius: border,
-            }),
+                };
+                round(inner, border)
+            }
             ColliderShape::Cone {
                 radius,
                 half_height,
@@ -339,23 +347,20 @@ impl TryFrom<ColliderShape> for Collider {
                 radius,
                 half_height,
                 border,
-            } => SharedShape::new(RoundShape {
-                inner_shape: Cone {
+            } => {
+                let inner = Cone {
                     half_height,
                     radius,
-                },
-                border_radius: border,
-            }),
+                };
+                round(inner, border)
+            }
             ColliderShape::HalfSpace { normal } => SharedShape::new(HalfSpace { normal }),
             ColliderShape::Segment { ends: [a, b] } => SharedShape::segment(a, b),
             ColliderShape::Triangle { corners: [a, b, c] } => SharedShape::triangle(a, b, c),
             ColliderShape::RoundTriangle {
                 corners: [a, b, c],
                 border,
-            } => SharedShape::new(RoundShape {
-                inner_shape: Triangle { a, b, c },
-                border_radius: border,
-            }),
+            } => round(Triangle { a, b, c }, border),
             ColliderShape::ConvexHull { points } => return Self::convex_hull(&points),
             ColliderShape::ConvexPolyhedron { corners, faces } => {
                 return Self::convex_polyhedron(&corners, &faces);

@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 /// The input of the code under test.
 pub enum Body {
     Cuboid(Vec3),
-    Hull(Polyhedron),
+    Hull(Box<Polyhedron>),
     Triangle([Vec3; 3]),
 }
 
@@ -38,7 +38,7 @@ impl Shape {
         Some(Self {
             name,
             form: Form::of(&hull),
-            body: Body::Hull(hull),
+            body: Body::Hull(hull.into()),
         })
     }
 
@@ -86,7 +86,7 @@ pub fn contact(a: &Body, b: &Body, poses: [Pose; 2], search: Search, axis: &mut 
     let out = &mut contact;
     match a {
         Body::Cuboid(half) => with(&Cuboid::new(*half), b, place, search, axis, out),
-        Body::Hull(hull) => with(hull, b, place, search, axis, out),
+        Body::Hull(hull) => with(&**hull, b, place, search, axis, out),
         Body::Triangle(points) => {
             let triangle = Triangle::new(*points).expect("it was one before");
             with(&triangle, b, place, search, axis, out);
@@ -105,7 +105,7 @@ fn with(
 ) {
     match b {
         Body::Cuboid(half) => meet(a, &Cuboid::new(*half), place, search, axis, contact),
-        Body::Hull(hull) => meet(a, hull, place, search, axis, contact),
+        Body::Hull(hull) => meet(a, &**hull, place, search, axis, contact),
         Body::Triangle(points) => {
             let triangle = Triangle::new(*points).expect("it was one before");
             meet(a, &triangle, place, search, axis, contact)

@@ -17,7 +17,7 @@ const SEARCH: Search = Search {
 const HERE: Pose = (Vec3::ZERO, Quat::IDENTITY);
 
 fn hull(points: &[Vec3]) -> Body {
-    Body::Hull(Polyhedron::new(points).expect("it has volume"))
+    Body::Hull(Polyhedron::new(points).expect("it has volume").into())
 }
 
 /// Many corners, none in a face of others.

@@ -220,7 +220,7 @@ pub mod prelude {
     };
     pub use crate::voxels::{VoxelChunk, Voxels};
     pub use crate::{DrystonePlugins, step};
-    pub use glam::{BVec3, Quat, Vec3};
+    pub use glam::{BVec3, IVec3, Quat, Vec3};
 }
 
 /// Compiles the README's example.

@@ -12,7 +12,6 @@
 //! use bevy_ecs::prelude::*;
 //! use bevy_transform::components::Transform;
 //! use drystone::prelude::*;
-//! use glam::IVec3;
 //!
 //! # let mut app = bevy_app::App::new();
 //! # app.add_plugins(DrystonePlugins::default());

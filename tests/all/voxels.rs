@@ -5,7 +5,6 @@ use bevy_transform::components::Transform;
 use drystone::body::Sleeping;
 use drystone::prelude::*;
 use drystone::snapshot::Snapshot;
-use glam::IVec3;
 use std::time::Instant;
 use support::*;
 

@@ -28,6 +28,15 @@ fn put<T: Component>(world: &mut World, site: &Site, value: T) -> Entity {
     site.lower
 }
 
+/// Makes the floor one of cells.
+fn lay_cells(world: &mut World, site: &Site) {
+    let mut cells = Voxels::new(1.0);
+    cells.set_box(IVec3::new(-10, -2, -10), IVec3::new(10, 0, 10), true);
+    let mut floor = world.entity_mut(site.floor);
+    floor.remove::<Collider>();
+    floor.insert((cells, Transform::IDENTITY));
+}
+
 /// Takes a component from the lower cube.
 fn take<T: Component>(world: &mut World, site: &Site) -> Entity {
     world.entity_mut(site.lower).remove::<T>();
@@ -94,6 +103,11 @@ const WAKES: &[Wakes] = &[
     }),
     Wakes("Pose", nothing, |w, s| {
         w.get_mut::<Pose>(s.lower).unwrap().position.x += 0.01;
+        s.lower
+    }),
+    Wakes("Voxels", lay_cells, |w, s| {
+        let mut cells = w.get_mut::<Voxels>(s.floor).unwrap();
+        assert_eq!(cells.set_ball(Vec3::ZERO, 1.0, false), 4);
         s.lower
     }),
     Wakes("Velocity", nothing, |w, s| {
@@ -402,6 +416,7 @@ const WAKES_NOBODY: &[(&str, &[&str])] = &[
             "Load",
             "Stands",
             "StepTime",
+            "VoxelChunk",
         ],
     ),
     (
@@ -415,6 +430,10 @@ const WAKES_NOBODY: &[(&str, &[&str])] = &[
         ],
     ),
     ("says how a change of `Transform` is meant", &["Teleport"]),
+    (
+        "says when a body breaks or goes, which wakes what it touches",
+        &["Fracturable", "Debris"],
+    ),
     (
         "of a character, which is kinematic and wakes what it touches when it moves",
         &["Character", "CharacterState"],

@@ -83,11 +83,12 @@
 //! | to | see |
 //! |---|---|
 //! | build | [`masonry`] generates structures and undoes edits, [`mortar`] bonds bricks, [`children`] make a body of several colliders |
+//! | dig, break | [`voxels`]: bodies of cells; [`fracture`]: bodies that break into pieces at a blow, and debris |
 //! | move | [`body`]: velocities, forces, locks, teleports; [`character`]: characters that walk, jump and ride; [`grab`]: hands |
 //! | join | [`joint`]: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break |
-//! | ask | the questions above; [`sensor`]: who is inside; [`contact`]: events of hits and forces; [`collapse`]: structures that fail |
+//! | ask | the questions above; [`caster`]: rays and shapes of entities; [`sensor`]: who is inside; [`contact`]: events of hits and forces; [`collapse`]: structures that fail |
 //! | see | the features `gizmos` and `picking`; [`profile`] and the feature `diagnostics` for times |
-//! | save | [`saving`], with the feature `serde` |
+//! | save | [`saving`], with the feature `scenes` or `serde` |
 //! | stream | [`streaming`]: regions of a large world are taken out, and put back as they stood |
 //! | tune | [`settings`]: gravity, pause and slow motion, solver, sleep, threads; [hooks](contact::ContactHooks) |
 //!

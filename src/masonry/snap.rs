@@ -89,8 +89,8 @@ pub fn snap(
     })
 }
 
-/// As [`snap`], for two colliders: their bounding boxes are laid against each other. `under` is the pose of the body with the collider `on`.
-/// Returns `None` for half-spaces, too.
+/// As [`snap`], for two colliders: their bounding boxes are laid against each other. `under` is the pose of the body with the collider
+/// `on`. Returns `None` for half-spaces, too.
 ///
 /// ```
 /// use drystone::masonry::snap_collider;

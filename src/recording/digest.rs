@@ -6,8 +6,8 @@ use crate::snapshot::bytes::{mix, read, write};
 use crate::solver::sort;
 use bevy_ecs::prelude::*;
 
-/// The hashes of the active bodies, in the order of their slots. Inactive and disabled bodies do not change, and bodies that have broken are
-/// disabled until they are despawned after the step.
+/// The hashes of the active bodies, in the order of their slots. Inactive and disabled bodies do not change, and bodies that have broken
+/// are disabled until they are despawned after the step.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Digest {
     /// That of all of them.

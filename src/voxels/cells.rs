@@ -70,8 +70,8 @@ impl Cells {
         })
     }
 
-    /// The filled cells as few boxes: runs along x, which grow along z as long as all of the run is filled, and then along y. Boxes lie flat,
-    /// since things lie on them.
+    /// The filled cells as few boxes: runs along x, which grow along z as long as all of the run is filled, and then along y.
+    /// Boxes lie flat, since things lie on them.
     pub fn boxes(&self) -> Vec<CellBox> {
         let mut left = *self.0;
         let mut boxes = Vec::new();

@@ -1,12 +1,12 @@
 //! Voxels: bodies of equal cells that are dug and built cell by cell.
 //!
 //! Put [`Voxels`] on a body instead of a [`Collider`](crate::collider::Collider), and edit it at any time. A *static* body is divided into
-//! chunks of 16³ cells, each a static body of its own, so that an edit costs a chunk and not the whole: a hill of millions of cells may be dug
-//! while others play on it. (A hit on a chunk names the chunk; its [`VoxelChunk`] names the body with the grid.) A *dynamic* or *kinematic*
-//! body has one collider of few boxes, and its mass, inertia and centre of mass are those of its cells.
+//! chunks of 16³ cells, each a static body of its own, so that an edit costs a chunk and not the whole: a hill of millions of cells may be
+//! dug while others play on it. (A hit on a chunk names the chunk; its [`VoxelChunk`] names the body with the grid.) A *dynamic* or
+//! *kinematic* body has one collider of few boxes, and its mass, inertia and centre of mass are those of its cells.
 //!
-//! What is no longer joined to the largest part after cells were emptied, or to the [ground](Voxels::with_ground) if there is one, becomes a
-//! dynamic body with a grid of its own, unless [`Voxels::with_splits`] says otherwise; momentum is kept.
+//! What is no longer joined to the largest part after cells were emptied, or to the [ground](Voxels::with_ground) if there is one, becomes
+//! a dynamic body with a grid of its own, unless [`Voxels::with_splits`] says otherwise; momentum is kept.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -36,8 +36,8 @@
 //! ```
 //!
 //! # What rolls over it
-//! Cells are merged into boxes, and contacts with the seams between boxes and between chunks are left out, as between the bricks of a floor:
-//! what rolls or slides over level cells does so as over a plane.
+//! Cells are merged into boxes, and contacts with the seams between boxes and between chunks are left out, as between the bricks of a
+//! floor: what rolls or slides over level cells does so as over a plane.
 //!
 //! # Limits
 //! The scale of a `Transform` is not followed. Chunks take over friction, layers and other properties of the body when they are made.

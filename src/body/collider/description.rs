@@ -301,8 +301,9 @@ impl TryFrom<ColliderShape> for Collider {
     /// Makes the collider.
     ///
     /// # Errors
-    /// Those of [`Collider::convex_hull`], [`Collider::convex_polyhedron`], [`Collider::trimesh`], [`Collider::height_field`] and [`Collider::compound`]. A size that is
-    /// invalid is no error here: a body with such a collider is reported and disabled, as [`Collider::is_degenerate`] says.
+    /// Those of [`Collider::convex_hull`], [`Collider::convex_polyhedron`], [`Collider::trimesh`], [`Collider::height_field`] and
+    /// [`Collider::compound`]. A size that is invalid is no error here: a body with such a collider is reported and disabled, as
+    /// [`Collider::is_degenerate`] says.
     fn try_from(shape: ColliderShape) -> Result<Self, ColliderError> {
         let shape = match shape {
             ColliderShape::Ball { radius } => SharedShape::ball(radius),

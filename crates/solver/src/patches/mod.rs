@@ -79,7 +79,8 @@ pub struct PatchProblem<'a> {
     pub gravity: Vec3,
     /// Multiple of the usual number of sweeps, at least 1.
     pub effort: f32,
-    /// Some of its bodies have just broken off others. They are no structure that was built, so none is searched for the forces that hold it.
+    /// Some of its bodies have just broken off others. They are no structure that was built, so none is searched for the forces that hold
+    /// it.
     pub broke: bool,
     /// Fastest correction of an error of position, m/s.
     pub max_correction_speed: f32,

@@ -86,7 +86,8 @@
 //! | dig, break | [`voxels`]: bodies of cells; [`fracture`]: bodies that break into pieces at a blow, and debris |
 //! | move | [`body`]: velocities, forces, locks, teleports; [`character`]: characters that walk, jump and ride; [`grab`]: hands |
 //! | join | [`joint`]: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break |
-//! | ask | the questions above; [`caster`]: rays and shapes of entities; [`sensor`]: who is inside; [`contact`]: events of hits and forces; [`collapse`]: structures that fail |
+//! | ask | the questions above; [`caster`]: rays and shapes of entities |
+//! | react | [`sensor`]: who is inside; [`contact`]: events of hits and forces; [`collapse`]: structures that fail |
 //! | see | the features `gizmos` and `picking`; [`profile`] and the feature `diagnostics` for times |
 //! | save | [`saving`], with the feature `scenes` or `serde` |
 //! | stream | [`streaming`]: regions of a large world are taken out, and put back as they stood |

@@ -90,36 +90,49 @@ pub(super) fn detached(
     if let Some(ground) = ground
         && !loose.is_empty()
     {
-        let held = |cell: &IVec3| cell.y <= ground;
-        let standing = seen.iter().filter(|(cell, _)| held(cell));
-        let standing: Vec<usize> = standing.map(|(_, part)| *part).collect();
-        let standing = standing.into_iter().map(|part| root_of(&mut parts, part));
-        let standing: Vec<usize> = standing.collect();
-        let rest = growing
-            .first()
-            .copied()
-            .filter(|part| !standing.contains(part));
-        loose.retain(|part| !standing.contains(part));
-        // What is left is the largest part, but it may hang in the air now.
-        if let Some(rest) = rest
-            && let Some(cells) = hangs(voxels, &parts[rest].edge, held)
-        {
-            seen.extend(cells.into_iter().map(|cell| (cell, rest)));
-            loose.push(rest);
-        }
+        let rest = growing.first().copied();
+        stand(voxels, ground, &mut seen, &mut parts, (&mut loose, rest));
     }
     if loose.is_empty() {
         return Vec::new();
     }
+    sorted(&seen, &mut parts, &loose)
+}
+
+/// Leaves those out of the loose parts that stand on the ground. The `rest` is the largest part, but it may hang in the air: then it is
+/// loose.
+fn stand(
+    voxels: &Voxels,
+    ground: i32,
+    seen: &mut HashMap<IVec3, usize>,
+    parts: &mut [Part],
+    (loose, rest): (&mut Vec<usize>, Option<usize>),
+) {
+    let held = |cell: &IVec3| cell.y <= ground;
+    let standing = seen.iter().filter(|(cell, _)| held(cell));
+    let standing: HashSet<usize> = standing.map(|(_, part)| *part).collect();
+    let standing = standing.into_iter().map(|part| root_of(parts, part));
+    let standing: Vec<usize> = standing.collect();
+    loose.retain(|part| !standing.contains(part));
+    let rest = rest.filter(|part| !standing.contains(part));
+    if let Some(rest) = rest
+        && let Some(cells) = hangs(voxels, &parts[rest].edge, held)
+    {
+        seen.extend(cells.into_iter().map(|cell| (cell, rest)));
+        loose.push(rest);
+    }
+}
+
+/// The cells of each of the loose parts, in order: hash maps have none.
+fn sorted(seen: &HashMap<IVec3, usize>, parts: &mut [Part], loose: &[usize]) -> Vec<Vec<IVec3>> {
     let mut found: HashMap<usize, Vec<IVec3>> = HashMap::default();
-    for (cell, part) in seen {
-        let part = root_of(&mut parts, part);
+    for (&cell, &part) in seen {
+        let part = root_of(parts, part);
         if loose.contains(&part) {
             found.entry(part).or_default().push(cell);
         }
     }
     let mut found: Vec<Vec<IVec3>> = found.into_values().collect();
-    // Hash maps have no order.
     for cells in &mut found {
         cells.sort_unstable_by_key(IVec3::to_array);
     }

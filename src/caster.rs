@@ -31,7 +31,7 @@ use crate::components::{any_with, init};
 use crate::profile::{Profile, own};
 use crate::query::{CastHit, Dir3, QueryError, QueryFilter, Ray3d, RayHit, SpatialQuery};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
-use crate::settings::StepTime;
+use crate::settings::is_last;
 use bevy_app::{App, Plugin};
 use bevy_ecs::component::Components;
 use bevy_ecs::hierarchy::ChildOf;
@@ -72,10 +72,6 @@ impl Plugin for CasterPlugin {
     fn finish(&self, app: &mut App) {
         crate::schedule::check_step_plugin::<Self>(app);
     }
-}
-
-fn is_last(time: Res<StepTime>) -> bool {
-    time.is_last()
 }
 
 /// What a caster may hit.
@@ -232,13 +228,9 @@ pub fn cast_rays(
             }
         });
         let Some(hits) = hits else { continue };
-        match hits {
-            Ok(hits) if hits == caster.hits => (),
-            Ok(hits) => caster.hits = hits,
-            Err(error) => {
-                switch_off(entity, &mut caster.rules, &error);
-                caster.hits.clear();
-            }
+        let hits = hits.unwrap_or_else(|error| switch_off(entity, &mut caster.rules, &error));
+        if hits != caster.hits {
+            caster.hits = hits;
         }
     }
 }
@@ -266,13 +258,9 @@ pub fn cast_shapes(
             }
         });
         let Some(hits) = hits else { continue };
-        match hits {
-            Ok(hits) if hits == caster.hits => (),
-            Ok(hits) => caster.hits = hits,
-            Err(error) => {
-                switch_off(entity, &mut caster.rules, &error);
-                caster.hits.clear();
-            }
+        let hits = hits.unwrap_or_else(|error| switch_off(entity, &mut caster.rules, &error));
+        if hits != caster.hits {
+            caster.hits = hits;
         }
     }
 }
@@ -318,7 +306,9 @@ fn turned(frame: Transform, direction: Dir3) -> Result<Dir3, QueryError> {
     Dir3::new(frame.rotation * *direction).map_err(|_| QueryError::NotFinite("the direction"))
 }
 
-fn switch_off(caster: Entity, rules: &mut CasterRules, error: &QueryError) {
+/// Has a caster cast no more because of an error. It hits nothing.
+fn switch_off<H>(caster: Entity, rules: &mut CasterRules, error: &QueryError) -> Vec<H> {
     tracing::error!("the caster {caster} is switched off: {error}; correct it and set `enabled`");
     rules.enabled = false;
+    Vec::new()
 }

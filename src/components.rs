@@ -63,6 +63,13 @@ pub(crate) fn holders_in(world: &World, all: &[FindId]) -> Vec<Entity> {
     found
 }
 
+/// Inserts components into an entity if it still exists: an observer of something else may have despawned it.
+pub(crate) fn put(world: &mut World, entity: Entity, bundle: impl Bundle) {
+    if let Ok(mut entity) = world.get_entity_mut(entity) {
+        entity.insert(bundle);
+    }
+}
+
 /// The identifiers of these components, if the world knows all of them.
 fn ids_of(components: &Components, all: &[FindId]) -> Option<SmallVec<[ComponentId; 4]>> {
     let mut ids = SmallVec::new();

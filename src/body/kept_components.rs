@@ -45,3 +45,11 @@ pub(crate) fn kept_components(world: &World, body: Entity) -> Vec<Values> {
     });
     found.collect()
 }
+
+/// Gives a piece these components, if it still exists.
+pub(crate) fn take_over(world: &mut World, kept: &[Values], piece: Entity) {
+    if let Ok(mut piece) = world.get_entity_mut(piece) {
+        let copies = kept.iter().map(|values| Values::of(values.as_slice()));
+        Values::insert_all_into(&mut copies.collect::<Vec<_>>(), &mut piece);
+    }
+}

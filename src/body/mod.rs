@@ -36,7 +36,7 @@ pub(crate) use disabled::Simulated;
 pub use disabled::{ColliderDisabled, RigidBodyDisabled};
 pub use inactive::Inactive;
 pub(crate) use inactive::{InactiveBodies, note_written};
-pub(crate) use kept_components::kept_components;
+pub(crate) use kept_components::{kept_components, take_over};
 #[cfg(feature = "bevy_reflect")]
 pub(crate) use listed::register;
 pub(crate) use listed::visit;
@@ -47,7 +47,9 @@ pub use moved::Moved;
 pub(crate) use parts::mark_if_part;
 pub use parts::{CompoundCollider, Sensor, SensorOverlap, SensorOverlaps};
 pub use placement::Teleport;
-pub(crate) use placement::{local_pose, user_pose, velocity_between};
+pub(crate) use placement::{
+    Beside, local_pose, pose_of, transform_of, user_pose, velocity_between,
+};
 #[doc(hidden)]
 pub use prepare::any_suspects;
 pub(crate) use prepare::{

@@ -1,7 +1,8 @@
 //! Conversion between `Transform` and pose: the pose that a user set, its frame, and the velocity of a kinematic body that is moved by its
 //! `Transform`.
 
-use super::{BodyState, Pose, Velocity};
+use super::{BodyIndex, BodyState, CompoundCollider, Pose, Velocity};
+use crate::components::put;
 use crate::settings::{SpeedLimits, StepTime};
 use bevy_ecs::{hierarchy::ChildOf, prelude::*};
 #[cfg(feature = "bevy_reflect")]
@@ -90,6 +91,80 @@ pub(crate) fn local_pose(
         };
     }
     pose
+}
+
+/// Where the `Transform`s of an entity and of those above it put it, without scale.
+pub(crate) fn transform_of(world: &World, entity: Entity) -> Pose {
+    let at = |entity: Entity| world.get::<Transform>(entity).copied().unwrap_or_default();
+    let (mut frame, mut below) = (at(entity), entity);
+    while let Some(&ChildOf(above)) = world.get::<ChildOf>(below) {
+        frame = at(above) * frame;
+        below = above;
+    }
+    Pose {
+        position: frame.translation,
+        rotation: frame.rotation,
+    }
+}
+
+/// The pose of a body, which may have been spawned after the last step.
+pub(crate) fn pose_of(world: &World, body: Entity) -> Pose {
+    let pose = world.get::<Pose>(body).copied().unwrap_or_default();
+    let is_new = world.get::<BodyIndex>(body) == Some(&BodyIndex::NONE);
+    match is_new && pose == Pose::default() {
+        true => transform_of(world, body),
+        false => pose,
+    }
+}
+
+/// Where the pieces of a body are put: beside it in the hierarchy.
+pub(crate) struct Beside {
+    parent: Option<Entity>,
+    /// Of the body, in the frame of its parent.
+    transform: Transform,
+    /// Scale of the parent in the world.
+    scale: Vec3,
+}
+
+impl Beside {
+    /// For a body at a pose.
+    pub fn new(world: &World, body: Entity, pose: Pose) -> Self {
+        let parent = world.get::<ChildOf>(body).map(|parent| parent.0);
+        let own = world.get::<Transform>(body).filter(|_| parent.is_some());
+        let scale = own.map_or(Vec3::ONE, |own| {
+            let whole = world.get::<CompoundCollider>(body);
+            whole.map_or(own.scale, |whole| whole.scale) / own.scale
+        });
+        Self {
+            parent,
+            transform: own.copied().unwrap_or_else(|| pose.to_transform()),
+            scale,
+        }
+    }
+
+    /// The transform of a piece at a point of the body's frame, m. Its scale in the world is 1.
+    pub fn transform(&self, point: Vec3) -> Transform {
+        let out = self.transform.rotation * point / self.scale;
+        Transform {
+            translation: self.transform.translation + out,
+            rotation: self.transform.rotation,
+            scale: self.scale.recip(),
+        }
+    }
+
+    /// Gives a piece the parent of the body.
+    pub fn join(&self, world: &mut World, piece: Entity) {
+        if let Some(parent) = self.parent {
+            put(world, piece, ChildOf(parent));
+        }
+    }
+}
+
+impl Pose {
+    /// The transform of a body without a parent.
+    pub(crate) fn to_transform(self) -> Transform {
+        Transform::from_translation(self.position).with_rotation(self.rotation)
+    }
 }
 
 impl BodyState {

@@ -280,15 +280,15 @@ impl Broadphase {
         })
     }
 
-    /// The bodies that a body may collide with and whose boxes in the tree overlap a box.
+    /// The pairs of a body with those that it may collide with and whose boxes in the tree overlap a box.
     pub(crate) fn beside<'a>(
         &'a self,
         table: &'a BodyTable,
         slot: u32,
         aabb: &'a Aabb,
-    ) -> impl Iterator<Item = u32> + 'a {
+    ) -> impl Iterator<Item = [u32; 2]> + 'a {
         let others = self.tree.intersect_aabb(aabb).chain(self.outside());
-        others.filter(move |&other| pair_of(table, slot, other).is_some())
+        others.filter_map(move |other| pair_of(table, slot, other))
     }
 
     fn boxes_of(&self, [a, b]: [u32; 2]) -> (Option<&Aabb>, Option<&Aabb>) {

@@ -40,7 +40,7 @@ use crate::components::{any_with, init};
 use crate::profile::{Profile, own};
 use crate::query::{Ground, MoveAndSlide};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
-use crate::settings::StepTime;
+use crate::settings::is_last;
 use bevy_app::{App, Plugin};
 use bevy_ecs::component::Components;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
@@ -80,10 +80,6 @@ impl Plugin for CharacterPlugin {
     fn finish(&self, app: &mut App) {
         crate::schedule::check_step_plugin::<Self>(app);
     }
-}
-
-fn is_last(time: Res<StepTime>) -> bool {
-    time.is_last()
 }
 
 /// A character that the step moves, and how it wants to move; see the [module](self). The game writes it, and reads [`CharacterState`].

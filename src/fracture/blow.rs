@@ -9,7 +9,7 @@ use crate::solver::sort;
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
-use parry3d::bounding_volume::BoundingVolume;
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::query::{Contact, DefaultQueryDispatcher, QueryDispatcher};
 
 /// Slower bodies give no blows, m/s: they do not even fall onto something.
@@ -58,34 +58,27 @@ fn find(world: &World) -> Vec<Blow> {
         world.resource::<Broadphase>(),
     );
     let dt = world.resource::<StepTime>().dt;
-    let breaks = |body: &BodyState| world.get::<Fracturable>(body.entity).is_some();
-    let mut blows = Vec::new();
-    let mut seen = Vec::new();
+    let mut pairs = Vec::new();
     for (slot, body) in table.active() {
-        let Some(mover) = Mover::new(world, body).filter(|mover| mover.speed() > LEAST_SPEED)
-        else {
-            continue;
-        };
-        let breaks_itself = breaks(body);
-        for other in broadphase.beside(table, slot, &mover.path(dt)) {
-            let Some(target) = table.get(other) else {
-                continue;
-            };
-            if !(breaks_itself || breaks(target)) {
-                continue;
-            }
-            let pair = [slot.min(other), slot.max(other)];
-            if let Some(blow) = Mover::new(world, target).and_then(|to| mover.blow(&to, dt)) {
-                seen.push(pair);
-                blows.push(blow);
-            }
+        if let Some(mover) = Mover::new(world, body)
+            && mover.speed() > LEAST_SPEED
+        {
+            pairs.extend(broadphase.beside(table, slot, &mover.path(dt)));
         }
     }
-    // A pair of two that move was found from both.
-    let mut known = std::collections::HashSet::new();
-    let mut pairs = seen.into_iter();
-    blows.retain(|_| pairs.next().is_some_and(|pair| known.insert(pair)));
-    blows
+    // A pair of two that move is found from both.
+    sort::values(&mut pairs);
+    pairs.dedup();
+    let breaks = |body: &BodyState| world.get::<Fracturable>(body.entity).is_some();
+    let blows = pairs.into_iter().filter_map(|slots| {
+        let bodies = table.both(slots)?;
+        if !bodies.into_iter().any(breaks) {
+            return None;
+        }
+        let [one, other] = bodies.map(|body| Mover::new(world, body));
+        one?.blow(&other?, dt)
+    });
+    blows.collect()
 }
 
 /// A body as it will be at the beginning of the step.
@@ -125,19 +118,18 @@ impl<'a> Mover<'a> {
     }
 
     /// A box around all that it may touch in the step.
-    fn path(&self, dt: f32) -> parry3d::bounding_volume::Aabb {
+    fn path(&self, dt: f32) -> Aabb {
         let shape = self.body.shape().expect("it has a collider");
         let aabb = shape.compute_aabb(&self.pose.to_parry());
         aabb.loosened(self.speed() * dt + MARGIN)
     }
 
-    /// The closest points of two bodies after this one has moved, with a normal out of the other one.
-    fn touch(&self, other: &Self, way: Vec3) -> Option<Contact> {
+    /// The closest points of two bodies after this one has moved, with a normal out of the other one, if they are within `reach`, m.
+    fn touch(&self, other: &Self, way: Vec3, reach: f32) -> Option<Contact> {
         let (shape, on) = (self.body.shape()?, other.body.shape()?);
         let mut from = self.pose.to_parry();
         from.translation += way;
         let to = other.pose.to_parry();
-        let reach = self.body.radius.min(other.body.radius) + way.length() + self.speed();
         let found = DefaultQueryDispatcher.contact(&to.inv_mul(&from), on, shape, reach);
         let mut found = found.ok()??;
         found.transform_by_mut(&to, &from);
@@ -149,7 +141,8 @@ impl<'a> Mover<'a> {
         /// Bodies that are no farther apart touch, m.
         const NEAR: f32 = 1e-3;
         const MAX_STEPS: usize = 30;
-        let mut touch = self.touch(other, Vec3::ZERO)?;
+        let reach = (self.speed() + other.speed()) * dt + MARGIN;
+        let mut touch = self.touch(other, Vec3::ZERO, reach)?;
         let middle = |touch: &Contact| 0.5 * (touch.point1 + touch.point2);
         let at = middle(&touch);
         let velocity = self.velocity_at(at) - other.velocity_at(at);
@@ -165,15 +158,17 @@ impl<'a> Mover<'a> {
             if way > longest + NEAR {
                 return None;
             }
-            touch = self.touch(other, velocity * (way / speed))?;
+            touch = self.touch(other, velocity * (way / speed), reach)?;
         }
         let normal = touch.normal1;
         let closes = -velocity.dot(normal) > LEAST_SPEED;
+        // The way is that of this body as the other one sees it, which moves on meanwhile.
+        let moved = other.velocity.linear * (way / speed.max(f32::MIN_POSITIVE));
         (closes && touch.dist <= 10.0 * NEAR).then(|| Blow {
             time: way / longest.max(f32::MIN_POSITIVE),
             orders: [self, other].map(|mover| mover.body.spawn_order.0),
             bodies: [self, other].map(|mover| mover.body.entity),
-            point: middle(&touch),
+            point: middle(&touch) + moved,
             normal,
         })
     }
@@ -249,8 +244,10 @@ impl Blow {
         }
         let energy = 0.5 * closing * closing / compliance;
         let mut rules = self.bodies.map(|body| {
-            let of = world.get::<Fracturable>(body);
-            (of.map_or(f32::INFINITY, |of| of.energy.max(0.0)), body)
+            let needed = world.get::<Fracturable>(body).map(|of| of.energy);
+            // An energy that is no number breaks nothing, and is no lesser one.
+            let needed = needed.filter(|energy| !energy.is_nan());
+            (needed.map_or(f32::INFINITY, |energy| energy.max(0.0)), body)
         });
         if rules[1].0 < rules[0].0 {
             rules.swap(0, 1);
@@ -260,7 +257,6 @@ impl Blow {
             if broken.iter().any(|(known, ..)| *known == body) {
                 continue;
             }
-            // NaN breaks nothing.
             if spent + needed <= energy {
                 spent += needed;
                 broken.push((body, self.point, energy));

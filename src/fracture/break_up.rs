@@ -4,17 +4,16 @@ use super::patterns::{self, Plan};
 use super::{Debris, Fracturable, FractureError, Piece};
 use crate::body::collider::{Collider, Moments};
 use crate::body::{
-    BodyIndex, BodyTable, CompoundCollider, Density, MassProperties, Pose, RigidBody,
-    RigidBodyDisabled, SpawnOrder, Velocity, kept_components,
+    Beside, BodyIndex, BodyTable, Density, MassProperties, Pose, RigidBody, RigidBodyDisabled,
+    SpawnOrder, Velocity, kept_components, pose_of, take_over,
 };
-use crate::stored::erased::Values;
+use crate::components::{put, remove};
+use bevy_ecs::component::Components;
 use bevy_ecs::entity::{EntityMapper, MapEntities};
-use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
-use bevy_transform::components::Transform;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
 /// A body has broken. It is sent as a message, and triggered as an event after the step.
@@ -88,7 +87,7 @@ pub(super) fn break_all(world: &mut World, blows: Vec<(Entity, Vec3, f32)>) {
             Err(error) => {
                 let body = breaking.body;
                 tracing::error!("{body} does not break any more: {error}");
-                world.entity_mut(body).remove::<Fracturable>();
+                remove(world, body, &[Components::component_id::<Fracturable>]);
             }
         }
     }
@@ -128,21 +127,12 @@ impl Breaking {
         if collider.is_degenerate() || of.contains::<RigidBodyDisabled>() {
             return Err(missing());
         }
-        let has_no_pose = Pose::default() == *of.get::<Pose>().ok_or_else(missing)?;
-        let pose = match of.get::<Transform>() {
-            // It was spawned after the last step.
-            Some(at) if known.is_none() && has_no_pose => Pose {
-                position: at.translation,
-                rotation: at.rotation,
-            },
-            _ => *of.get::<Pose>().ok_or_else(missing)?,
-        };
         Ok(Self {
             body,
             rules: of.get::<Fracturable>().copied().unwrap_or_default(),
             collider: collider.clone(),
             mass: *of.get::<MassProperties>().ok_or_else(missing)?,
-            pose,
+            pose: pose_of(world, body),
             velocity: of.get::<Velocity>().copied().unwrap_or_default(),
             is_dynamic: kind == RigidBody::Dynamic,
             order: of.get::<SpawnOrder>().copied().unwrap_or_default(),
@@ -170,39 +160,35 @@ impl Breaking {
         let whole = Moments::sum(&moments);
         let density = f64::from(self.mass.mass()) / whole.volume;
         let motion = self.motion(&whole, density);
-        let placed = Placed::of(world, self);
-        let copies = kept_components(world, self.body);
+        let beside = Beside::new(world, self.body, self.pose);
+        let kept = kept_components(world, self.body);
         let first = world.resource::<BodyTable>().spawned();
         let spawned = pieces.iter().zip(&moments).map(|(piece, of)| {
             let body = (
                 RigidBody::Dynamic,
                 piece.collider.clone(),
-                placed.transform(piece.position),
+                beside.transform(piece.position),
                 motion.at(of.centroid, &self.pose),
                 Density(density as f32),
             );
-            let mut spawned = world.spawn(body);
-            if !copies.is_empty() {
-                let copies = copies.iter().map(|values| Values::of(values.as_slice()));
-                Values::insert_all_into(&mut copies.collect::<Vec<_>>(), &mut spawned);
-            }
-            if let Some(parent) = placed.parent {
-                spawned.insert(ChildOf(parent));
-            }
+            let piece = world.spawn(body).id();
+            take_over(world, &kept, piece);
+            beside.join(world, piece);
             if let Some(mortar) = self.rules.mortar {
-                spawned.insert(mortar);
+                put(world, piece, mortar);
             }
             if let Some(debris) = self.rules.debris {
-                spawned.insert(Debris { age: 0.0, ..debris });
+                put(world, piece, Debris { age: 0.0, ..debris });
             }
             if self.rules.again > 0 {
-                spawned.insert(self.rules.of_piece((of.volume / whole.volume) as f32));
+                let share = of.volume / whole.volume;
+                put(world, piece, self.rules.of_piece(share as f32));
             }
-            spawned.id()
+            piece
         });
         let spawned: Vec<Entity> = spawned.collect();
         world.resource_mut::<BodyTable>().note_pieces(first);
-        world.entity_mut(self.body).insert(RigidBodyDisabled);
+        put(world, self.body, RigidBodyDisabled);
         world.resource_mut::<Fractures>().0.push(Fractured {
             body: self.body,
             pieces: spawned.clone(),
@@ -271,45 +257,6 @@ impl Motion {
         Velocity {
             linear: (self.linear + self.angular.cross(arm)).as_vec3(),
             angular: self.angular.as_vec3(),
-        }
-    }
-}
-
-/// Where the pieces of a body are put: beside it in the hierarchy.
-struct Placed {
-    parent: Option<Entity>,
-    /// Of the body, in the frame of its parent.
-    transform: Transform,
-    /// Scale of the parent in the world.
-    scale: Vec3,
-}
-
-impl Placed {
-    fn of(world: &World, breaking: &Breaking) -> Self {
-        let of = world.entity(breaking.body);
-        let parent = of.get::<ChildOf>().map(|parent| parent.0);
-        let own = of.get::<Transform>().filter(|_| parent.is_some());
-        let scale = own.map_or(Vec3::ONE, |own| {
-            let whole = of.get::<CompoundCollider>();
-            whole.map_or(own.scale, |whole| whole.scale) / own.scale
-        });
-        Self {
-            parent,
-            transform: own.copied().unwrap_or_else(|| {
-                let Pose { position, rotation } = breaking.pose;
-                Transform::from_translation(position).with_rotation(rotation)
-            }),
-            scale,
-        }
-    }
-
-    /// The transform of a piece at a point of the body's frame, m.
-    fn transform(&self, point: Vec3) -> Transform {
-        let out = self.transform.rotation * point / self.scale;
-        Transform {
-            translation: self.transform.translation + out,
-            rotation: self.transform.rotation,
-            scale: self.scale.recip(),
         }
     }
 }

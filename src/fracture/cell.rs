@@ -29,6 +29,12 @@ pub(super) struct HalfSpace {
     pub offset: f64,
 }
 
+/// The direction of a corner of a box: ±1 along each axis.
+fn octant(corner: usize) -> DVec3 {
+    let sign = |axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+    DVec3::from_array(std::array::from_fn(sign))
+}
+
 impl Cell {
     /// The convex parts of a shape; an empty list if it has no inside or no end. Round shapes are replaced by polyhedra inside them.
     pub fn parts_of(collider: &Collider) -> Vec<Self> {
@@ -75,9 +81,7 @@ impl Cell {
             TypedShape::RoundCuboid(round) => {
                 let (half, border) = (round.inner_shape.half_extents, round.border_radius);
                 let corner = |i: usize| {
-                    let out = Vec3::from_array(std::array::from_fn(|axis| {
-                        if i >> axis & 1 == 0 { -1.0 } else { 1.0 }
-                    }));
+                    let out = octant(i).as_vec3();
                     [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| out * (half + border * axis))
                 };
                 (0..8).flat_map(corner).collect()
@@ -93,11 +97,6 @@ impl Cell {
     }
 
     fn of_box(half: DVec3) -> Self {
-        let corner = |i: usize| {
-            half * DVec3::from_array(std::array::from_fn(|axis| {
-                if i >> axis & 1 == 0 { -1.0 } else { 1.0 }
-            }))
-        };
         // Counterclockwise as seen from outside.
         let faces = [
             [0, 4, 6, 2],
@@ -108,7 +107,7 @@ impl Cell {
             [4, 5, 7, 6],
         ];
         Self {
-            corners: (0..8).map(corner).collect(),
+            corners: (0..8).map(|i| half * octant(i)).collect(),
             faces: faces.map(|face| Loop::from_slice(&face)).to_vec(),
         }
     }

@@ -15,7 +15,7 @@
 //! world.spawn((RigidBody::Static, Collider::cuboid(0.02, 1.0, 1.0), Density(2500.0), pane));
 //! let ball = (RigidBody::Dynamic, Collider::ball(0.1), Velocity::linear(Vec3::X * 12.0), Transform::from_xyz(-1.0, 0.0, 0.0));
 //! let ball = world.spawn(ball).id();
-//! // A static body is not in the world any more: an observer gives the pieces what is drawn of them.
+//! // An observer gives the pieces what the game draws.
 //! world.add_observer(|broken: On<Fractured>, mut commands: Commands| {
 //!     for &piece in &broken.pieces {
 //!         commands.entity(piece).insert(Name::new("shard"));

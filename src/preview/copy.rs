@@ -207,6 +207,5 @@ pub(super) fn copy_joint(
 }
 
 pub(super) fn to_transform(pose: Pose) -> Transform {
-    let pose = pose.normalized();
-    Transform::from_translation(pose.position).with_rotation(pose.rotation)
+    pose.normalized().to_transform()
 }

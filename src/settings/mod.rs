@@ -29,6 +29,7 @@ pub use stabilization::{
 };
 pub use threads::PhysicsThreads;
 pub use time::StepTime;
+pub(crate) use time::is_last;
 
 pub use crate::limits::STEP_LENGTHS;
 

@@ -85,3 +85,8 @@ impl StepTime {
         self.substep + 1 == self.substeps
     }
 }
+
+/// Run condition: whether this is the last substep of a step.
+pub(crate) fn is_last(time: Res<StepTime>) -> bool {
+    time.is_last()
+}

@@ -57,8 +57,7 @@ fn despawn_chunks(mut world: DeferredWorld, context: HookContext) {
     let Some(voxels) = world.get::<Voxels>(context.entity) else {
         return;
     };
-    let chunks = voxels.chunks.values().filter_map(|chunk| chunk.entity);
-    let chunks: Vec<Entity> = chunks.collect();
+    let chunks: Vec<Entity> = voxels.chunk_bodies().collect();
     let mut commands = world.commands();
     for chunk in chunks {
         if let Ok(mut chunk) = commands.get_entity(chunk) {
@@ -153,6 +152,15 @@ impl Voxels {
 
     /// Fills or empties a cell. Returns whether that changed it. Its collider follows in the next step or [`refresh`](crate::refresh()).
     pub fn set(&mut self, cell: IVec3, filled: bool) -> bool {
+        let is_changed = self.put(cell, filled);
+        if is_changed && !filled && self.splits {
+            self.emptied.push(cell.to_array());
+        }
+        is_changed
+    }
+
+    /// As [`set`](Self::set), for a cell that holds no parts together.
+    pub(super) fn put(&mut self, cell: IVec3, filled: bool) -> bool {
         let (key, inside) = placed(cell);
         if !filled && !self.chunks.contains_key(&key.to_array()) {
             return false;
@@ -164,9 +172,6 @@ impl Voxels {
         }
         let covers = was_full || filled && chunk.cells.is_full();
         self.touch(key, covers);
-        if !filled && self.splits {
-            self.emptied.push(cell.to_array());
-        }
         true
     }
 
@@ -288,11 +293,9 @@ impl Voxels {
         })
     }
 
-    /// Empties a cell that no longer belongs to the body.
-    pub(super) fn take(&mut self, cell: IVec3) {
-        let splits = std::mem::replace(&mut self.splits, false);
-        self.set(cell, false);
-        self.splits = splits;
+    /// The bodies of the chunks.
+    pub(super) fn chunk_bodies(&self) -> impl Iterator<Item = Entity> + '_ {
+        self.chunks.values().filter_map(|chunk| chunk.entity)
     }
 
     /// Whether nothing can touch a chunk, since it is full and so are its neighbours.

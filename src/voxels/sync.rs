@@ -2,11 +2,13 @@
 
 use super::{VoxelChunk, Voxels, split};
 use crate::body::collider::Collider;
-use crate::body::{Density, Mass, MassProperties, Pose, RigidBody, Velocity, kept_components};
-use crate::components::holders_in;
+use crate::body::{
+    Beside, Density, Mass, MassProperties, Pose, RigidBody, Velocity, kept_components, pose_of,
+    take_over, transform_of,
+};
+use crate::components::{holders_in, put, remove};
 use crate::stored::erased::Values;
 use bevy_ecs::component::Components;
-use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use glam::{IVec3, Quat, Vec3};
@@ -19,16 +21,15 @@ pub fn voxels(world: &mut World) {
             continue;
         };
         let is_static = *kind == RigidBody::Static;
-        if voxels.divided && is_static {
+        let (is_divided, is_edited) = (voxels.divided, !voxels.dirty.is_empty());
+        let size = voxels.size();
+        if is_divided && is_static {
             place_chunks(world, body);
         }
-        let Some(voxels) = world.get::<Voxels>(body) else {
-            continue;
-        };
-        if voxels.dirty.is_empty() && voxels.divided == is_static {
+        if !is_edited && is_divided == is_static {
             continue;
         }
-        if !(voxels.size() > 0.0 && voxels.size().is_finite()) {
+        if !(size > 0.0 && size.is_finite()) {
             tracing::error!("the voxels of {body} are removed: their size must be positive");
             world.entity_mut(body).remove::<Voxels>();
             continue;
@@ -41,21 +42,19 @@ fn update(world: &mut World, body: Entity, is_static: bool) {
     let Some(mut voxels) = world.get_mut::<Voxels>(body) else {
         return;
     };
-    // Nothing that users have written.
+    // Taken out while the world is changed by it. That is no change for the user.
     let mut grid = std::mem::replace(voxels.bypass_change_detection(), Voxels::new(1.0));
+    let was = Was::new(world, body);
     let emptied = std::mem::take(&mut grid.emptied);
     let parts = match emptied.is_empty() {
         true => Vec::new(),
         false => split::detached(&grid, &emptied, grid.ground().filter(|_| is_static)),
     };
-    let before = match parts.is_empty() {
-        true => 0,
-        false => grid.count(),
-    };
-    for part in &parts {
-        for &cell in part {
-            grid.take(cell);
-        }
+    // Of each cell, if the user has set that of the body.
+    let mass = was.mass.filter(|_| !parts.is_empty());
+    let mass = mass.map(|mass| mass / grid.count() as f32);
+    for cell in parts.iter().flatten() {
+        grid.put(*cell, false);
     }
     if grid.divided != is_static {
         divide(world, body, &mut grid);
@@ -63,76 +62,87 @@ fn update(world: &mut World, body: Entity, is_static: bool) {
     let mut dirty = std::mem::take(&mut grid.dirty);
     dirty.sort_unstable();
     dirty.dedup();
-    let was = Motion::of(world, body);
-    let had_shape = world.entity(body).contains::<Collider>();
-    let mass = world
-        .get::<Mass>(body)
-        .map(|mass| mass.0 / before.max(1) as f32);
     if is_static {
         for key in dirty {
-            make_chunk(world, body, &mut grid, key);
+            make_chunk(world, body, (&mut grid, &was.kept), key);
         }
     } else {
         make_whole(world, body, &grid);
     }
     let size = grid.size();
-    let left = before - parts.iter().map(Vec::len).sum::<usize>();
-    if let Some(mut voxels) = world.get_mut::<Voxels>(body) {
-        *voxels.bypass_change_detection() = grid;
-        if !parts.is_empty() {
-            voxels.set_changed();
+    if let Some(mass) = mass {
+        put(world, body, Mass(mass * grid.count() as f32));
+    }
+    // Observers may have despawned the body meanwhile.
+    let Some(mut voxels) = world.get_mut::<Voxels>(body) else {
+        for chunk in grid.chunk_bodies() {
+            world.try_despawn(chunk).ok();
         }
+        return;
+    };
+    *voxels.bypass_change_detection() = grid;
+    if !parts.is_empty() {
+        voxels.set_changed();
+    }
+    if !is_static && was.has_shape {
+        keep_moving(world, body, &was);
     }
     for part in &parts {
-        let mass = mass.map(|mass| Mass(mass * part.len() as f32));
-        spawn_part(world, body, (part, size), &was, mass);
+        spawn_part(world, (part, size), &was, mass);
     }
-    if let (Some(mass), false) = (mass, parts.is_empty()) {
-        world.entity_mut(body).insert(Mass(mass * left as f32));
-    }
-    // The centre of mass has another velocity than the old one.
-    if !is_static
-        && had_shape
-        && let Some(center) = world
-            .get::<MassProperties>(body)
-            .map(|mass| mass.local_center)
+}
+
+/// Gives a body the velocity of its new centre of mass.
+fn keep_moving(world: &mut World, body: Entity, was: &Was) {
+    let mass = world.get::<MassProperties>(body);
+    if let Some(center) = mass.map(|mass| mass.local_center)
         && let Some(mut velocity) = world.get_mut::<Velocity>(body)
     {
         velocity.linear = was.velocity_at(center);
     }
 }
 
-/// The motion of a body before an edit.
-struct Motion {
-    rotation: Quat,
+/// A body before an edit.
+struct Was {
+    beside: Beside,
+    pose: Pose,
     velocity: Velocity,
-    /// In the frame of the body, m.
+    /// Its centre of mass in its frame, m.
     center: Vec3,
+    has_shape: bool,
+    /// Set by the user, kg.
+    mass: Option<f32>,
+    density: Option<Density>,
+    /// Its surface, layers and so on.
+    kept: Vec<Values>,
 }
 
-impl Motion {
-    fn of(world: &World, body: Entity) -> Self {
+impl Was {
+    fn new(world: &World, body: Entity) -> Self {
         let of = world.entity(body);
-        let velocity = of.get::<Velocity>().copied().unwrap_or_default();
+        let pose = pose_of(world, body);
         let mass = of.get::<MassProperties>();
         Self {
-            rotation: of
-                .get::<Pose>()
-                .map_or(Quat::IDENTITY, |pose| pose.rotation),
-            velocity,
+            beside: Beside::new(world, body, pose),
+            pose,
+            velocity: of.get::<Velocity>().copied().unwrap_or_default(),
             center: mass.map_or(Vec3::ZERO, |mass| mass.local_center),
+            has_shape: of.contains::<Collider>(),
+            mass: of.get::<Mass>().map(|mass| mass.0),
+            density: of.get::<Density>().copied(),
+            kept: kept_components(world, body),
         }
     }
 
     /// The velocity of a point of the body's frame, m/s, world.
     fn velocity_at(&self, point: Vec3) -> Vec3 {
-        self.velocity.at(self.rotation * (point - self.center))
+        self.velocity.at(self.pose.rotation * (point - self.center))
     }
 }
 
 /// Moves the chunks of a body to where it is.
 fn place_chunks(world: &mut World, body: Entity) {
-    let to = place_of(world, body);
+    let to = transform_of(world, body);
     let Some(mut voxels) = world.get_mut::<Voxels>(body) else {
         return;
     };
@@ -141,39 +151,20 @@ fn place_chunks(world: &mut World, body: Entity) {
     }
     let voxels = voxels.bypass_change_detection();
     voxels.placed = to;
-    let chunks = voxels.chunks.values().filter_map(|chunk| chunk.entity);
-    let chunks: Vec<Entity> = chunks.collect();
+    let chunks: Vec<Entity> = voxels.chunk_bodies().collect();
     for chunk in chunks {
         if let Some(mut at) = world.get_mut::<Transform>(chunk) {
-            *at = to_transform(to);
+            *at = to.to_transform();
         }
     }
-}
-
-/// Where the user has put a body, without scale.
-fn place_of(world: &World, body: Entity) -> Pose {
-    let at = |entity: Entity| world.get::<Transform>(entity).copied().unwrap_or_default();
-    let (mut frame, mut below) = (at(body), body);
-    while let Some(&ChildOf(above)) = world.get::<ChildOf>(below) {
-        frame = at(above) * frame;
-        below = above;
-    }
-    Pose {
-        position: frame.translation,
-        rotation: frame.rotation,
-    }
-}
-
-fn to_transform(pose: Pose) -> Transform {
-    Transform::from_translation(pose.position).with_rotation(pose.rotation)
 }
 
 /// Has the chunks of a body become bodies of their own, or no longer be.
 fn divide(world: &mut World, body: Entity, grid: &mut Voxels) {
     grid.divided = !grid.divided;
     if grid.divided {
-        world.entity_mut(body).remove::<Collider>();
-        grid.placed = place_of(world, body);
+        remove(world, body, &[Components::component_id::<Collider>]);
+        grid.placed = transform_of(world, body);
     }
     for chunk in grid.chunks.values_mut() {
         if let Some(entity) = chunk.entity.take() {
@@ -184,7 +175,12 @@ fn divide(world: &mut World, body: Entity, grid: &mut Voxels) {
 }
 
 /// Makes the body of a chunk of a static body anew, or removes it if it has none.
-fn make_chunk(world: &mut World, body: Entity, grid: &mut Voxels, key: [i32; 3]) {
+fn make_chunk(
+    world: &mut World,
+    body: Entity,
+    (grid, kept): (&mut Voxels, &[Values]),
+    key: [i32; 3],
+) {
     let Some(chunk) = grid.chunks.get(&key) else {
         return;
     };
@@ -204,10 +200,10 @@ fn make_chunk(world: &mut World, body: Entity, grid: &mut Voxels, key: [i32; 3])
             None
         }
         (None, Some(collider)) => {
-            let at = to_transform(grid.placed);
+            let at = grid.placed.to_transform();
             let chunk = (RigidBody::Static, collider, at, VoxelChunk(body));
             let chunk = world.spawn(chunk).id();
-            take_over(world, body, chunk);
+            take_over(world, kept, chunk);
             Some(chunk)
         }
         (None, None) => None,
@@ -223,8 +219,8 @@ fn make_chunk(world: &mut World, body: Entity, grid: &mut Voxels, key: [i32; 3])
 fn make_whole(world: &mut World, body: Entity, grid: &Voxels) {
     let boxes = grid.chunks.keys().flat_map(|key| grid.boxes_of(*key));
     match compound(boxes) {
-        Some(collider) => _ = world.entity_mut(body).insert(collider),
-        None => _ = world.entity_mut(body).remove::<Collider>(),
+        Some(collider) => put(world, body, collider),
+        None => remove(world, body, &[Components::component_id::<Collider>]),
     }
 }
 
@@ -236,56 +232,27 @@ fn compound(boxes: impl Iterator<Item = (Vec3, Vec3)>) -> Option<Collider> {
     Collider::compound(parts.collect()).ok()
 }
 
-/// Gives a body the surface, layers and so on of another one.
-fn take_over(world: &mut World, from: Entity, to: Entity) {
-    let mut copies = kept_components(world, from);
-    if !copies.is_empty() {
-        Values::insert_all_into(&mut copies, &mut world.entity_mut(to));
-    }
-}
-
-/// Spawns a part that came off, as a dynamic body with a grid of its own.
-fn spawn_part(
-    world: &mut World,
-    from: Entity,
-    (cells, size): (&[IVec3], f32),
-    was: &Motion,
-    mass: Option<Mass>,
-) {
+/// Spawns a part that came off, as a dynamic body with a grid of its own. `mass` is that of a cell, kg, if the user has set it.
+fn spawn_part(world: &mut World, (cells, size): (&[IVec3], f32), was: &Was, mass: Option<f32>) {
     let least = cells.iter().copied().reduce(IVec3::min).unwrap_or_default();
     let mut grid = Voxels::new(size);
     for &cell in cells {
         grid.set(cell - least, true);
     }
-    let corner = least.as_vec3() * size;
-    let of = world.entity(from);
-    let placed = match (of.get::<Transform>(), of.get::<Pose>()) {
-        (Some(transform), _) if of.contains::<ChildOf>() => *transform,
-        (_, Some(pose)) => Transform::from_translation(pose.position).with_rotation(pose.rotation),
-        (Some(transform), None) => *transform,
-        (None, None) => Transform::IDENTITY,
-    };
-    let parent = of.get::<ChildOf>().map(|parent| parent.0);
-    let density = of.get::<Density>().copied();
     let sum: Vec3 = cells.iter().map(|cell| cell.as_vec3() + 0.5).sum();
     let center = sum / cells.len() as f32 * size;
     let velocity = Velocity {
         linear: was.velocity_at(center),
         angular: was.velocity.angular,
     };
-    let at =
-        Transform::from_translation(placed.transform_point(corner)).with_rotation(placed.rotation);
+    let at = was.beside.transform(least.as_vec3() * size);
     let part = world.spawn((RigidBody::Dynamic, grid, at, velocity)).id();
-    take_over(world, from, part);
-    let mut part = world.entity_mut(part);
-    if let Some(parent) = parent {
-        part.insert(ChildOf(parent));
+    take_over(world, &was.kept, part);
+    was.beside.join(world, part);
+    match (mass, was.density) {
+        (Some(mass), _) => put(world, part, Mass(mass * cells.len() as f32)),
+        (None, Some(density)) => put(world, part, density),
+        (None, None) => (),
     }
-    if let Some(mass) = mass {
-        part.insert(mass);
-    } else if let Some(density) = density {
-        part.insert(density);
-    }
-    let part = part.id();
     update(world, part, false);
 }

@@ -247,6 +247,77 @@ fn a_blow_breaks_what_needs_less_energy() {
     }
 }
 
+/// An energy that is no number breaks nothing, whatever hits it.
+#[test]
+fn an_energy_that_is_no_number_breaks_nothing() {
+    let mut lab = Lab::new();
+    lab.ground();
+    let vase = Fracturable {
+        energy: f32::NAN,
+        ..Default::default()
+    };
+    let vase = lab.spawn((
+        RigidBody::Dynamic,
+        Collider::cylinder(0.1, 0.3),
+        Transform::from_xyz(0.0, 3.0, 0.0),
+        vase,
+    ));
+    steps(&mut lab, 90);
+    assert!((lab.pose(vase).position.y - 0.15).abs() < 0.1);
+}
+
+/// Whoever hears of a piece, of a part or of a chunk may despawn it, and with it the body that it came from.
+#[test]
+fn pieces_may_be_despawned_as_they_are_spawned() {
+    for kind in 0..3 {
+        let mut lab = Lab::new();
+        let cells = |to: IVec3| {
+            let mut cells = Voxels::new(0.1);
+            cells.set_box(IVec3::ZERO, to, true);
+            cells
+        };
+        let rules = Fracturable {
+            again: 1,
+            mortar: Some(Mortar::default()),
+            debris: Some(Debris::default()),
+            ..Default::default()
+        };
+        let surface = (Friction::new(0.3), Mass(3.0));
+        let body = match kind {
+            0 => lab.spawn((
+                RigidBody::Dynamic,
+                Collider::cuboid(0.4, 0.2, 0.2),
+                rules,
+                surface,
+            )),
+            1 => lab.spawn((RigidBody::Dynamic, cells(IVec3::new(9, 1, 1)), surface)),
+            _ => lab.spawn((RigidBody::Static, cells(IVec3::new(40, 1, 40)), surface)),
+        };
+        if kind < 2 {
+            lab.step();
+        }
+        lab.world
+            .add_observer(move |added: On<Add<RigidBody>>, mut commands: Commands| {
+                for entity in [added.entity, body] {
+                    if let Ok(mut entity) = commands.get_entity(entity) {
+                        entity.try_despawn();
+                    }
+                }
+            });
+        match kind {
+            0 => _ = shatter(&mut lab.world, body, None).unwrap(),
+            1 => {
+                let mut bar = lab.world.get_mut::<Voxels>(body).unwrap();
+                assert!(bar.set(IVec3::new(4, 0, 0), false));
+            }
+            _ => (),
+        }
+        steps(&mut lab, 3);
+        let left = lab.world.query::<&RigidBody>().iter(&lab.world).count();
+        assert_eq!(left, 0, "{kind}");
+    }
+}
+
 /// The ball goes on through a static pane, with what is left of its energy at most.
 #[test]
 fn a_ball_goes_through_a_pane() {

@@ -300,6 +300,30 @@ fn what_is_no_longer_joined_falls() {
     assert!(!kept.splits());
 }
 
+/// What is cut off before the first step falls from where it was put.
+#[test]
+fn a_body_may_be_cut_before_its_first_step() {
+    let mut lab = Lab::new();
+    lab.world.insert_resource(Gravity(Vec3::ZERO));
+    let mut bar = Voxels::new(0.5);
+    bar.set_box(IVec3::ZERO, IVec3::new(9, 1, 1), true);
+    bar.set(IVec3::new(6, 0, 0), false);
+    let at = Transform::from_xyz(10.0, 20.0, 30.0);
+    lab.spawn((RigidBody::Dynamic, bar, at));
+    lab.step();
+    let mut bodies = lab.world.query::<(&Pose, &Voxels)>();
+    let mut found: Vec<_> = bodies.iter(&lab.world).collect();
+    found.sort_by_key(|(_, cells)| cells.count());
+    let found: Vec<_> = found
+        .into_iter()
+        .map(|(pose, cells)| (cells.count(), pose.position))
+        .collect();
+    assert_eq!(
+        found,
+        [(2, Vec3::new(13.5, 20.0, 30.0)), (6, at.translation)]
+    );
+}
+
 #[test]
 fn a_body_becomes_static_and_dynamic_again() {
     let mut lab = Lab::new();

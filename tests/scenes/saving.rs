@@ -758,6 +758,33 @@ fn a_sleeping_body_wakes_at_the_same_weight_after_loading() {
     }
 }
 
+/// A hill of cells comes back with the bodies of its chunks, and is dug in the other world.
+#[test]
+fn a_hill_of_cells_is_dug_after_loading() {
+    let mut lab = Lab::new();
+    let mut hill = Voxels::new(0.25);
+    hill.set_box(IVec3::new(-20, -8, -20), IVec3::new(20, 0, 20), true);
+    let hill = lab.spawn((RigidBody::Static, hill));
+    let ball = lab.body(Collider::ball(0.2), Vec3::new(0.1, 0.2, 0.1));
+    (0..60).for_each(|_| lab.step());
+    let text = save(&mut lab.world);
+    let mut other = other_world(lab.dt);
+    let map = load(&mut other.world, &text);
+    other.step();
+    let chunks = |lab: &mut Lab| lab.world.query::<&VoxelChunk>().iter(&lab.world).count();
+    assert_eq!(chunks(&mut other), chunks(&mut lab));
+    let (hill, ball) = (map[&hill], map[&ball]);
+    assert!(other.world.get::<Sleeping>(ball).unwrap().asleep);
+    let mut cells = other.world.get_mut::<Voxels>(hill).unwrap();
+    assert_eq!(
+        cells.set_box(IVec3::new(-2, -4, -2), IVec3::new(2, 0, 2), false),
+        64
+    );
+    (0..60).for_each(|_| other.step());
+    assert!((other.pose(ball).position.y + 0.8).abs() < 1e-3);
+    assert_eq!(chunks(&mut other), chunks(&mut lab));
+}
+
 #[test]
 fn text_that_is_no_scene_is_an_error() {
     let mut lab = Lab::new();

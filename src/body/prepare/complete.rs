@@ -13,7 +13,7 @@ pub fn complete(
 ) {
     for (body, pose, parent) in &incomplete {
         let pose = local_pose(pose.copied().unwrap_or_default(), parent, placed);
-        let transform = Transform::from_translation(pose.position).with_rotation(pose.rotation);
+        let transform = pose.to_transform();
         commands
             .entity(body)
             .try_insert_if_new((transform, essentials()));

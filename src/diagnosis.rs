@@ -86,6 +86,11 @@ pub enum BodyProblem {
         limits::SPEED
     )]
     InvalidSurfaceVelocity,
+    /// The [`Fluid`](crate::fluid::Fluid) has a number that is negative, not finite or out of bounds. It does nothing until that is mended.
+    #[error(
+        "its `Fluid` has a number that is negative, not finite or out of bounds, and does nothing until that is mended"
+    )]
+    InvalidFluid,
     /// The maximum linear or angular speed is NaN or negative.
     #[error(
         "its `MaxLinearSpeed` or `MaxAngularSpeed` is negative or not a number; an infinite one is no limit"
@@ -201,6 +206,7 @@ impl BodyProblem {
                 | Self::ExtremeJointRatio { .. }
                 | Self::Coincident { .. }
                 | Self::Crowded
+                | Self::InvalidFluid
                 | Self::PartLeftOut { .. }
         )
     }

@@ -85,6 +85,7 @@
 //! | build | [`masonry`] generates structures and undoes edits, [`mortar`] bonds bricks, [`children`] make a body of several colliders |
 //! | dig, break | [`voxels`]: bodies of cells; [`fracture`]: bodies that break into pieces at a blow, and debris |
 //! | move | [`body`]: velocities, forces, locks, teleports; [`character`]: characters that walk, jump and ride; [`grab`]: hands |
+//! | float, blow | [`fluid`]: water and wind, in which bodies float and drift |
 //! | join | [`joint`]: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break |
 //! | ask | the questions above; [`caster`]: rays and shapes of entities |
 //! | react | [`sensor`]: who is inside; [`contact`]: events of hits and forces; [`collapse`]: structures that fail |
@@ -124,6 +125,7 @@ pub mod cookbook;
 pub mod diagnosis;
 #[cfg(feature = "diagnostics")]
 pub mod diagnostics;
+pub mod fluid;
 pub mod fracture;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
@@ -197,6 +199,7 @@ pub mod prelude {
         ContactStarted, Contacts, FaceForce, Load, NotABody, Supports, contacts, supports,
     };
     pub use crate::diagnosis::{BodyError, StepError};
+    pub use crate::fluid::{Fluid, FluidField};
     pub use crate::fracture::{Debris, Fracturable, Fractured};
     pub use crate::grab::{Grab, GrabForce, Hand, HandPlugin, HandState, HeldBy};
     pub use crate::joint::{
@@ -204,7 +207,7 @@ pub mod prelude {
         JointFrame, JointLimits, JointMotor, Joints, QuarantinedJoint,
     };
     pub use crate::joint_types::types::*;
-    pub use crate::mortar::{Mortar, MortarBroke, MortarFailure, MortarJoint};
+    pub use crate::mortar::{Mortar, MortarBroke, MortarFailure, MortarJoint, Studs};
     pub use crate::preview::{
         Edit, Moved, Preview, PreviewError, PreviewSettings, Previews, Shadow, preview,
         preview_task,

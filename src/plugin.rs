@@ -11,10 +11,11 @@ use crate::children;
 use crate::components::{any_with, init};
 use crate::contact::{self, ContactEnded, ContactForce, ContactStarted, Untriggered};
 use crate::diagnosis::{BodyError, FoundProblems, ReportedProblems, StepError};
+use crate::fluid::FluidPlugin;
 use crate::fracture::FracturePlugin;
 use crate::graph::{self, ConstraintGraph, Islands};
 use crate::joint::{BrokenJoints, JointBroke};
-use crate::joint_types::{self, JointChanges, JointError, Mortar};
+use crate::joint_types::{self, JointChanges, JointError, Mortar, Studs};
 use crate::mortar::{self, BrokenMortar, MortarBroke};
 use crate::pair::{EndedPairs, LostPairs};
 use crate::profile::{Profile, own};
@@ -95,6 +96,7 @@ impl PluginGroup for DrystonePlugins {
             .add(ContactEventsPlugin)
             .add(RefreshPlugin)
             .add(CharacterPlugin)
+            .add(FluidPlugin)
             .add(FracturePlugin)
             .add(CasterPlugin)
             .add(VoxelPlugin)
@@ -398,8 +400,13 @@ impl Plugin for JointPlugin {
         );
         app.add_systems(
             PhysicsSchedule,
-            own(&profile, "narrowphase", mortar::lay_mortar)
-                .run_if(any_with(Components::component_id::<Mortar>))
+            (
+                own(&profile, "narrowphase", mortar::lay_mortar)
+                    .run_if(any_with(Components::component_id::<Mortar>)),
+                own(&profile, "narrowphase", mortar::click_studs)
+                    .run_if(any_with(Components::component_id::<Studs>)),
+            )
+                .chain()
                 .after(narrowphase::modify_contacts)
                 .in_set(PhysicsSystems::Narrowphase),
         );
@@ -558,7 +565,7 @@ mod tests {
     }
 
     /// Every plugin but `StepPlugin`, by its name.
-    const OTHERS: [(&str, Add); 18] = [
+    const OTHERS: [(&str, Add); 19] = [
         ("BodyPlugin", |app| _ = app.add_plugins(BodyPlugin)),
         ("CollisionPlugin", |app| {
             _ = app.add_plugins(CollisionPlugin)
@@ -586,6 +593,7 @@ mod tests {
         ("CharacterPlugin", |app| {
             _ = app.add_plugins(CharacterPlugin)
         }),
+        ("FluidPlugin", |app| _ = app.add_plugins(FluidPlugin)),
         ("FracturePlugin", |app| _ = app.add_plugins(FracturePlugin)),
         ("CasterPlugin", |app| _ = app.add_plugins(CasterPlugin)),
         ("VoxelPlugin", |app| _ = app.add_plugins(VoxelPlugin)),

@@ -1,6 +1,6 @@
 //! A convex cell that is cut by planes, in double precision.
 
-use crate::body::collider::{Collider, Polyhedron};
+use crate::body::collider::{BOX_FACES, Collider, Polyhedron, octant};
 use crate::solver::sort;
 use glam::{DVec2, DVec3, Quat, Vec3};
 use parry3d::shape::{Shape, TypedShape};
@@ -27,12 +27,6 @@ pub(super) struct HalfSpace {
     pub normal: DVec3,
     /// Distance of its plane from the origin, m.
     pub offset: f64,
-}
-
-/// The direction of a corner of a box: ±1 along each axis.
-fn octant(corner: usize) -> DVec3 {
-    let sign = |axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
-    DVec3::from_array(std::array::from_fn(sign))
 }
 
 impl Cell {
@@ -81,7 +75,7 @@ impl Cell {
             TypedShape::RoundCuboid(round) => {
                 let (half, border) = (round.inner_shape.half_extents, round.border_radius);
                 let corner = |i: usize| {
-                    let out = octant(i).as_vec3();
+                    let out = octant(i);
                     [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| out * (half + border * axis))
                 };
                 (0..8).flat_map(corner).collect()
@@ -97,18 +91,9 @@ impl Cell {
     }
 
     fn of_box(half: DVec3) -> Self {
-        // Counterclockwise as seen from outside.
-        let faces = [
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-        ];
         Self {
-            corners: (0..8).map(|i| half * octant(i)).collect(),
-            faces: faces.map(|face| Loop::from_slice(&face)).to_vec(),
+            corners: (0..8).map(|i| half * octant(i).as_dvec3()).collect(),
+            faces: BOX_FACES.map(|face| Loop::from_slice(&face)).to_vec(),
         }
     }
 

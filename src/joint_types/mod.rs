@@ -27,7 +27,7 @@ pub(crate) use list::{
 pub(crate) use mortar::Patch;
 #[cfg(feature = "gizmos")]
 pub(crate) use mortar::corners;
-pub use mortar::{Mortar, MortarJoint};
+pub use mortar::{Mortar, MortarJoint, Studs};
 pub(crate) use types::joint_ends;
 
 use bevy_ecs::prelude::*;

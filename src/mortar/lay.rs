@@ -21,18 +21,18 @@ use glam::Vec3;
 const MAX_GAP: f32 = 1e-3;
 
 /// Mortar bonds surfaces that move against each other more slowly, m/s.
-const MAX_SPEED: f32 = 0.05;
+pub(super) const MAX_SPEED: f32 = 0.05;
 
 /// The area that a patch must have, as a share of the square of the smaller body's radius.
 const LEAST_AREA: f32 = 1e-4;
 
 /// A bond that is to be made.
-struct Bond {
-    orders: [SpawnOrder; 2],
-    pair: Entity,
-    bodies: [Entity; 2],
-    patch: Patch,
-    mortar: Mortar,
+pub(super) struct Bond {
+    pub orders: [SpawnOrder; 2],
+    pub pair: Entity,
+    pub bodies: [Entity; 2],
+    pub patch: Patch,
+    pub mortar: Mortar,
 }
 
 /// Lays the fresh mortar of bodies.
@@ -62,6 +62,11 @@ pub fn lay_mortar(world: &mut World) {
         }
     });
     let bonds = find(world, &found);
+    bond(world, bonds);
+}
+
+/// Makes bonds, in their order.
+pub(super) fn bond(world: &mut World, bonds: Vec<Bond>) {
     if bonds.is_empty() {
         return;
     }
@@ -80,13 +85,19 @@ pub fn lay_mortar(world: &mut World) {
     activate(world);
 }
 
+/// Largest distance of surfaces that are bonded, m.
+pub(super) fn reach(world: &World) -> f32 {
+    let outer = world.resource::<StabilizationSettings>().outer_distance();
+    outer.max(MAX_GAP)
+}
+
 /// The patches that are bonded, in spawn order.
 fn find(world: &World, fresh: &[(Entity, u32, Mortar)]) -> Vec<Bond> {
     let (table, graph) = (
         world.resource::<BodyTable>(),
         world.resource::<ConstraintGraph>(),
     );
-    let outer = world.resource::<StabilizationSettings>().outer_distance();
+    let reach = reach(world);
     let mut bonds = Vec::new();
     for &(body, slot, mortar) in fresh {
         for entity in graph.edges_of_kind(slot, EdgeKind::Contact) {
@@ -110,7 +121,6 @@ fn find(world: &World, fresh: &[(Entity, u32, Mortar)]) -> Vec<Bond> {
             let least = LEAST_AREA * a.radius.min(b.radius).squared();
             for (_, patch, range) in manifold.patches_with_points() {
                 let points = &manifold.points[range];
-                let reach = outer.max(MAX_GAP);
                 let near = points.iter().filter(|point| point.distance <= reach);
                 let near: Vec<Vec3> = near.map(|point| a.center + point.arm).collect();
                 // From A to B.

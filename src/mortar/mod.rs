@@ -44,6 +44,8 @@
 //! keeps its mortar until it rests. Static bodies may have mortar as well as dynamic ones. Structures from [`masonry`](crate::masonry) are
 //! laid with mortar by spawning `(block.bundle(), Mortar::default())`.
 //!
+//! [`Studs`] are the bond of toy bricks, which may be pressed together again.
+//!
 //! # The law
 //! The bodies are rigid and the mortar is thin and even, so the stress is linear over a patch, as in a beam. With the force N, V and the
 //! moments M, T about the centroid of the patch:
@@ -75,11 +77,13 @@
 
 mod events;
 mod lay;
+mod studs;
 
-pub use crate::joint_types::{Mortar, MortarJoint};
+pub use crate::joint_types::{Mortar, MortarJoint, Studs};
 pub use crate::solver::MortarFailure;
 pub(crate) use events::trigger;
 #[doc(hidden)]
 pub use events::{BrokenMortar, any_broke};
 pub use events::{MortarBroke, mortar_events};
 pub use lay::lay_mortar;
+pub use studs::click_studs;

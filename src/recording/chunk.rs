@@ -25,7 +25,7 @@ use crate::snapshot::bytes::Checksum;
 pub(super) const NAME: &[u8; 8] = b"DRYSTREC";
 
 /// The version of the format.
-pub(super) const VERSION: u32 = 7;
+pub(super) const VERSION: u32 = 8;
 
 /// Length of the head of a chunk.
 const HEAD_LENGTH: usize = 17;

@@ -46,19 +46,21 @@
 //!   step. Bodies that move by less than their thickness cannot.
 //!
 //! Shapes are compared exactly, and touching counts as overlap. Meshes and height fields are surfaces: they overlap what crosses them.
-//! [Spatial queries](crate::query) do not find sensors.
+//! [Spatial queries](crate::query) do not find sensors. [`SensorDepths`] says how deep something is inside.
 //!
 //! # Cost
 //!
 //! Only what moved is compared: bodies that moved with the sensors near them, and sensors that moved with the bodies near them. Bodies at
 //! rest in a sensor at rest cost nothing, however many they are (`cargo bench --bench sensors`).
 
+mod depth;
 mod detect;
 mod events;
 mod stage;
 mod zones;
 
 pub use crate::body::{Sensor, SensorOverlap, SensorOverlaps};
+pub use depth::{SensorDepths, sensor_depth};
 pub(crate) use events::trigger;
 pub use events::{SensorEntered, SensorExited, UntriggeredSensorEvents};
 pub use stage::sensors;

@@ -5,6 +5,7 @@
 //! - `inside` lists the zones of which a body is a part of the contents, by its slot.
 //! - No result depends on the order of zones or on the shape of the tree, which depend on their history.
 
+use crate::body::collider::Collider;
 use crate::body::{BodyState, BodyTable, Pose, SpawnOrder, parts::Zone};
 use crate::revision::Revision;
 use bevy_ecs::entity::{EntityHashMap, EntityMapper, MapEntities};
@@ -152,6 +153,28 @@ impl Sensors {
 
     pub(super) fn get(&self, zone: u32) -> Option<&Tracked> {
         self.zones.get(zone as usize)?.as_ref()
+    }
+
+    /// The order of a sensor among all, if it is known.
+    pub(crate) fn rank_of(&self, sensor: Entity) -> Option<(SpawnOrder, u32)> {
+        self.get(self.find(sensor)?).map(Tracked::rank)
+    }
+
+    /// Where a sensor was in the last step, and its shape.
+    pub(crate) fn placed<'a>(
+        &self,
+        sensor: Entity,
+        table: &'a BodyTable,
+    ) -> Option<(ParryPose, &'a Collider)> {
+        let tracked = self.get(self.find(sensor)?)?;
+        let (_, zone) = tracked.of(table)?;
+        Some((placed(zone, tracked.pose), &zone.shape))
+    }
+
+    /// What a sensor knows of a collider that is inside.
+    pub(super) fn content(&self, sensor: Entity, collider: Entity) -> Option<&Content> {
+        let contents = &self.get(self.find(sensor)?)?.contents;
+        contents.iter().find(|content| content.collider == collider)
     }
 
     /// Adds a zone that has not been compared with anything.

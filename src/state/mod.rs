@@ -24,12 +24,14 @@ use crate::character::{Character, CharacterState};
 use crate::collapse::{CollapseSettings, Stands, Structures, Watch};
 use crate::contact::{CollidingEntities, ContactForceEvents, ContactHooks, Load, Untriggered};
 use crate::diagnosis::{FoundProblems, ReportedProblems};
+use crate::fluid::{Fluid, FluidState};
 use crate::fracture::{Debris, Fracturable, Fractures};
 use crate::grab::{Hand, HandState};
 use crate::graph::{ConstraintGraph, Islands};
 use crate::joint::BrokenJoints;
 use crate::joint_types::{
-    self, BreakForce, JointChanges, JointDisabled, JointEdge, JointForces, Mortar, QuarantinedJoint,
+    self, BreakForce, JointChanges, JointDisabled, JointEdge, JointForces, Mortar,
+    QuarantinedJoint, Studs,
 };
 use crate::mortar::BrokenMortar;
 use crate::pair::{
@@ -86,7 +88,7 @@ state! {
 
     component Other { Quarantined, RigidBodyDisabled, Teleport, GrabForce, HeldBy, CollidingEntities, ContactForceEvents, Watch }
     component Other hidden { Stands }
-    component Body { Mortar }
+    component Body { Mortar, Studs }
     output Other { Load }
     internal Stages hidden { Inactive }
     // Colliders.
@@ -97,6 +99,8 @@ state! {
     component Other { HandState, Hand, CharacterState, Character }
     // Bodies that break, and debris.
     component Other { Fracturable, Debris, Voxels, VoxelChunk }
+    // Fluids.
+    component Other { Fluid, FluidState }
     // Joints.
     component Joint { JointForces, BreakForce }
     component Other { JointDisabled, QuarantinedJoint }

@@ -8,6 +8,7 @@ use drystone::body::Inactive;
 use drystone::graph::ConstraintGraph;
 use drystone::parry3d::query::intersection_test;
 use drystone::prelude::*;
+use drystone::sensor::sensor_depth;
 use fastrand::Rng;
 use std::collections::BTreeSet;
 use support::Lab;
@@ -445,4 +446,33 @@ fn a_quarantined_body_has_left() {
     lab.step();
     assert_eq!(inside(&lab, zone), [ball]);
     assert_eq!(heard(&mut lab), (2, 1));
+}
+
+#[test]
+fn sensors_tell_how_deep_a_body_is_inside() {
+    let mut lab = Lab::new();
+    let pool = lab.spawn((Collider::cuboid(4.0, 2.0, 4.0), Sensor, at(0.0, 0.0, 0.0)));
+    let float = |x: f32, y: f32| {
+        (
+            RigidBody::Dynamic,
+            GravityScale(0.0),
+            cube(1.0),
+            at(x, y, 0.0),
+        )
+    };
+    let places = [(-1.5, 0.3), (-0.2, 1.4), (0.9, 1.6)];
+    let [deep, shallow, outside] = places.map(|(x, y)| lab.spawn(float(x, y)));
+    // A mast that stands out of the pool, on a hull that is all inside.
+    let mast = lab.spawn((Collider::cuboid(0.1, 3.0, 0.1), at(0.0, 1.5, 0.0)));
+    let ship = lab.spawn((RigidBody::Kinematic, cube(0.5), at(1.0, -0.2, 1.0)));
+    lab.world.entity_mut(ship).add_child(mast);
+    lab.step();
+    let mut depth = |collider: Entity| sensor_depth(&mut lab.world, pool, collider);
+    let near = |found: Option<f32>, depth: f32| (found.unwrap() - depth).abs() < 1e-3;
+    // Sideways: from its inner face to the wall.
+    assert!(near(depth(deep), 1.0), "{:?}", depth(deep));
+    assert!(near(depth(shallow), 0.1));
+    assert_eq!(depth(outside), None);
+    assert!(near(depth(ship), 1.05), "{:?}", depth(ship));
+    assert!(near(depth(mast), 1.05), "{:?}", depth(mast));
 }

@@ -30,9 +30,11 @@ pub use layers::CollisionLayers;
 pub use material::{CombineRule, Friction, Restitution, RollingFriction};
 #[cfg(feature = "mesh")]
 pub use mesh::{MeshShape, mesh_triangles};
+pub(crate) use polyhedron::{BOX_FACES, octant};
 pub use polyhedron::{Edge, Face, Moments, Polyhedron};
 #[cfg(feature = "serde")]
 pub(crate) use saved::SharedShapes;
+pub(crate) use solid::volume;
 pub use surface_velocity::SurfaceVelocity;
 
 use crate::body::{MassProperties, SpawnOrder};

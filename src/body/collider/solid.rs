@@ -74,6 +74,12 @@ fn hull(shape: &SharedShape) -> Option<Arc<Polyhedron>> {
     Polyhedron::new(points).ok().map(Arc::new)
 }
 
+/// The volume of a shape that is neither a hull nor a compound, m³.
+pub(crate) fn volume(shape: &SharedShape) -> f32 {
+    let moments = round_cuboid(shape).unwrap_or_else(|| parry_moments(shape));
+    moments.volume as f32
+}
+
 /// The moments that parry computes for a shape, converted to double precision.
 pub(super) fn parry_moments(shape: &SharedShape) -> Moments {
     let unit = shape.mass_properties(1.0);

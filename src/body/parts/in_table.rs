@@ -5,6 +5,7 @@ use crate::body::collider::{Collider, CollisionLayers, Friction, Restitution, Ro
 use bevy_ecs::entity::{Entity, EntityMapper};
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
+use parry3d::shape::SharedShape;
 use std::sync::Arc;
 
 /// The solid parts and the sensors of a body.
@@ -166,6 +167,22 @@ impl BodyState {
     /// The number of the part that a piece of the shape belongs to; 0 for the body's own collider.
     pub(crate) fn part_of(&self, piece: u32) -> u16 {
         self.parts.as_ref().map_or(0, |parts| parts.owner(piece))
+    }
+
+    /// The pieces of the collider with this number, in the frame of the body.
+    pub(crate) fn pieces_of(&self, number: u16) -> impl Iterator<Item = (ParryPose, &SharedShape)> {
+        let shape = self.collider.as_ref().map(Collider::shape);
+        let parts = self.parts.as_ref().filter(|parts| parts.has_pieces());
+        let pieces = parts.zip(shape.and_then(|shape| shape.as_compound()));
+        let whole = shape.filter(|_| pieces.is_none());
+        let whole = whole.map(|shape| (ParryPose::IDENTITY, shape));
+        let pieces = pieces.into_iter().flat_map(move |(parts, compound)| {
+            let pieces = (0..).zip(compound.shapes());
+            pieces.filter_map(move |(piece, (at, shape))| {
+                (parts.owner(piece) == number).then_some((*at, shape))
+            })
+        });
+        whole.into_iter().chain(pieces)
     }
 
     /// The entity of the collider with this number: that of a part, or the body.

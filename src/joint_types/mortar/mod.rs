@@ -1,8 +1,10 @@
 //! Mortar, and the joint that bonds two bodies at a patch of contact.
 
 mod patch;
+mod studs;
 
 pub(crate) use patch::Patch;
+pub use studs::Studs;
 
 use super::{
     JointDefinition, JointEnds, JointForces, JointFrame, JointType, joint_ends, look_again,

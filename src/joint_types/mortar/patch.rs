@@ -45,6 +45,11 @@ impl Moments {
 }
 
 impl Patch {
+    /// Its area, m².
+    pub fn area(&self) -> f32 {
+        section(self.corners).area
+    }
+
     /// The patch between points (world, m) of a plane with this normal, by the four that enclose most of it; none if its area is not larger
     /// than `least`, m².
     pub fn new(points: &[Vec3], normal: Vec3, least: f32) -> Option<Self> {

@@ -36,7 +36,7 @@ use stream::{Reader, Writer};
 const NAME: &[u8; 8] = b"DRYSTONE";
 
 /// The version of the format.
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 
 /// The name of the [slips] in messages.
 const SLIPS: &str = "valid slips";

@@ -37,6 +37,20 @@ fn lay_cells(world: &mut World, site: &Site) {
     floor.insert((cells, Transform::IDENTITY));
 }
 
+/// Fills the site with thick air.
+fn fill(world: &mut World, _: &Site) {
+    let air = Fluid {
+        density: 10.0,
+        ..Fluid::air(Vec3::ZERO)
+    };
+    world.spawn((Collider::cuboid(30.0, 30.0, 30.0), air, at(0.0, 0.0, 0.0)));
+}
+
+fn air(world: &mut World) -> Entity {
+    let mut fluids = world.query_filtered::<Entity, With<Fluid>>();
+    fluids.single(world).unwrap()
+}
+
 /// Takes a component from the lower cube.
 fn take<T: Component>(world: &mut World, site: &Site) -> Entity {
     world.entity_mut(site.lower).remove::<T>();
@@ -109,6 +123,16 @@ const WAKES: &[Wakes] = &[
         let mut cells = w.get_mut::<Voxels>(s.floor).unwrap();
         assert_eq!(cells.set_ball(Vec3::ZERO, 1.0, false), 4);
         s.lower
+    }),
+    Wakes("Fluid", fill, |w, s| {
+        let air = air(w);
+        w.get_mut::<Fluid>(air).unwrap().flow = Vec3::X;
+        s.lower
+    }),
+    Wakes("Fluid", fill, |w, s| {
+        let air = air(w);
+        w.entity_mut(air).remove::<Fluid>();
+        s.upper
     }),
     Wakes("Velocity", nothing, |w, s| {
         put(w, s, Velocity::linear(Vec3::X))
@@ -358,6 +382,11 @@ const WAKES: &[Wakes] = &[
         },
     ),
     Wakes(
+        "Studs",
+        |w, s| _ = w.entity_mut(s.upper).insert(Studs::new(0.25, 10.0)),
+        |w, s| put(w, s, Studs::new(0.25, 10.0)),
+    ),
+    Wakes(
         "MortarJoint",
         |w, s| {
             for brick in [s.lower, s.upper] {
@@ -412,6 +441,7 @@ const WAKES_NOBODY: &[(&str, &[&str])] = &[
             "QuarantinedJoint",
             "GrabForce",
             "HandState",
+            "FluidState",
             "HeldBy",
             "Load",
             "Stands",

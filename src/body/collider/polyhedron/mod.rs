@@ -53,6 +53,22 @@ pub struct Polyhedron {
     mass: MassProperties,
 }
 
+/// The faces of a box as loops of corners, counterclockwise as seen from outside; [`octant`] says where the corners are.
+pub(crate) const BOX_FACES: [[u32; 4]; 6] = [
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+];
+
+/// The direction of a corner of a box: ±1 along each axis.
+pub(crate) fn octant(corner: usize) -> Vec3 {
+    let sign = |axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+    Vec3::from_array(std::array::from_fn(sign))
+}
+
 /// A face of a [`Polyhedron`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {

@@ -1,7 +1,7 @@
 //! A cookbook: pages that each solve one task of a game. New here? Begin with the [`quickstart`].
 //!
-//! The code of a page is what a game writes: systems with `Commands`, queries and observers. Functions that take a `World` come second. Each
-//! block is compiled and run as a test, except those that need a renderer, which say so. Lines that a page does not show are the test
+//! The code of a page is what a game writes: systems with `Commands`, queries and observers. Functions that take a `World` come second.
+//! Each block is compiled and run as a test, except those that need a renderer, which say so. Lines that a page does not show are the test
 //! around it, and the imports of every game: `use bevy::prelude::*;` and `use drystone::prelude::*;`.
 //!
 //! # Start here

@@ -51,7 +51,10 @@ fn an_arch_is_saved_and_loaded() {
     assert_eq!(asleep(&mut after), asleep(&mut before));
     let heights = |app: &mut App| {
         let mut bodies = app.world_mut().query::<&Transform>();
-        let mut heights: Vec<f32> = bodies.iter(app.world()).map(|at| at.translation.y).collect();
+        let mut heights: Vec<f32> = bodies
+            .iter(app.world())
+            .map(|at| at.translation.y)
+            .collect();
         heights.sort_by(f32::total_cmp);
         heights
     };

@@ -7,8 +7,11 @@ use bevy_transform::components::Transform;
 use drystone::prelude::*;
 use std::collections::HashMap;
 
-/// Height of a frame, pixels.
-const HEIGHT: f32 = 180.0;
+/// Maximum size of a frame, pixels.
+const FRAME: (f32, f32) = (310.0, 170.0);
+
+/// Height of the line above a frame, pixels.
+const CAPTION: f32 = 24.0;
 
 /// How far a corner may be from where it was drawn, pixels. Processors differ in the last bits, and what falls does so in more.
 const TOLERANCE: f32 = 3.0;
@@ -40,18 +43,26 @@ impl Picture {
         self.colors.insert(body, color);
     }
 
+    /// Pixels of a metre.
     fn scale(&self) -> f32 {
-        HEIGHT / (self.view[1].1 - self.view[0].1)
+        let [(left, bottom), (right, top)] = self.view;
+        (FRAME.0 / (right - left)).min(FRAME.1 / (top - bottom))
     }
 
-    fn width(&self) -> f32 {
-        self.scale() * (self.view[1].0 - self.view[0].0)
+    /// Size of a frame with its caption, pixels.
+    fn size(&self) -> (f32, f32) {
+        let [(left, bottom), (right, top)] = self.view;
+        let scale = self.scale();
+        (scale * (right - left), CAPTION + scale * (top - bottom))
     }
 
     /// A point of the frame, pixels.
     fn point(&self, at: Vec3) -> (f32, f32) {
         let [(left, _), (_, top)] = self.view;
-        (self.scale() * (at.x - left), self.scale() * (top - at.y))
+        (
+            self.scale() * (at.x - left),
+            CAPTION + self.scale() * (top - at.y),
+        )
     }
 
     fn line(&mut self, line: String) {
@@ -61,9 +72,10 @@ impl Picture {
 
     /// Draws the world as it is now.
     pub fn frame(&mut self, world: &mut World, caption: &str) {
-        let (width, offset) = (self.width(), self.frames as f32 * (self.width() + 8.0));
+        let (width, height) = self.size();
+        let offset = self.frames as f32 * (width + 8.0);
         let id = format!("drystone-{}-{}", self.name, self.frames);
-        let panel = format!("<rect width=\"{width:.1}\" height=\"{HEIGHT}\"");
+        let panel = format!("<rect width=\"{width:.1}\" height=\"{height:.1}\"");
         self.line(format!("<g transform=\"translate({offset:.1} 0)\">"));
         self.line(format!(
             "<clipPath id=\"{id}\">{panel} rx=\"6\"></rect></clipPath>"
@@ -73,7 +85,8 @@ impl Picture {
         ));
         self.line(format!("{panel} fill=\"#e8eef4\" stroke=\"none\"></rect>"));
         let mut parts = parts(world);
-        parts.sort_by(|a, b| a.1.position.z.total_cmp(&b.1.position.z));
+        // By centimetres: what stands beside each other stays in order, whatever the last bits are.
+        parts.sort_by_key(|part| (100.0 * part.1.position.z).round() as i32);
         for (body, pose, kind, collider) in parts {
             let color = self.colors.get(&body).copied().unwrap_or(match kind {
                 RigidBody::Static => "#9aa3ad",
@@ -90,7 +103,7 @@ impl Picture {
         }
         let font = "font-size=\"13\" font-family=\"sans-serif\" fill=\"#333\" stroke=\"none\"";
         self.line(format!(
-            "<text x=\"8\" y=\"18\" {font}>{caption}</text></g></g>"
+            "<text x=\"8\" y=\"17\" {font}>{caption}</text></g></g>"
         ));
         self.frames += 1;
     }
@@ -152,13 +165,12 @@ impl Picture {
     pub fn finish(self) {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/cookbook/pictures");
         let path = format!("{folder}/{}.svg", self.name);
-        let width = self.frames as f32 * (self.width() + 8.0) - 8.0;
+        let (width, height) = self.size();
+        let width = self.frames as f32 * (width + 8.0) - 8.0;
+        let tag = format!("viewBox=\"0 0 {width:.1} {height:.1}\" width=\"{width:.0}\"");
+        let space = "xmlns=\"http://www.w3.org/2000/svg\" style=\"max-width: 100%\"";
         // The empty line ends the text of the page.
-        let tag = format!("viewBox=\"0 0 {width:.1} {HEIGHT}\" width=\"{width:.0}\"");
-        let svg = format!(
-            "\n<svg xmlns=\"http://www.w3.org/2000/svg\" {tag}>\n{}</svg>\n",
-            self.svg
-        );
+        let svg = format!("\n<svg {space} {tag}>\n{}</svg>\n", self.svg);
         if std::env::var_os("DRYSTONE_PICTURES").is_some() {
             std::fs::write(&path, svg).unwrap();
             return;

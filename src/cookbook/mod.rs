@@ -79,9 +79,11 @@ pub mod from_rapier {}
 pub mod bad_input {}
 
 #[doc = include_str!("building/support.md")]
+#[doc = include_str!("pictures/support.svg")]
 pub mod support {}
 
 #[doc = include_str!("building/loads.md")]
+#[doc = include_str!("pictures/loads.svg")]
 pub mod loads {}
 
 #[doc = include_str!("building/force.md")]
@@ -91,12 +93,14 @@ pub mod force {}
 pub mod stability {}
 
 #[doc = include_str!("building/preview.md")]
+#[doc = include_str!("pictures/preview.svg")]
 pub mod preview {}
 
 #[doc = include_str!("building/undo.md")]
 pub mod undo {}
 
 #[doc = include_str!("building/collapse.md")]
+#[doc = include_str!("pictures/collapse.svg")]
 pub mod collapse {}
 
 #[doc = include_str!("building/mortar.md")]
@@ -109,30 +113,39 @@ pub mod fracture {}
 pub mod voxels {}
 
 #[doc = include_str!("building/explosion.md")]
+#[doc = include_str!("pictures/explosion.svg")]
 pub mod explosion {}
 
 #[doc = include_str!("building/compound.md")]
+#[doc = include_str!("pictures/compound.svg")]
 pub mod compound {}
 
 #[doc = include_str!("building/children.md")]
+#[doc = include_str!("pictures/children.svg")]
 pub mod children {}
 
 #[doc = include_str!("building/drawbridge.md")]
+#[doc = include_str!("pictures/drawbridge.svg")]
 pub mod drawbridge {}
 
 #[doc = include_str!("building/trebuchet.md")]
+#[doc = include_str!("pictures/trebuchet.svg")]
 pub mod trebuchet {}
 
 #[doc = include_str!("building/wrecking_ball.md")]
+#[doc = include_str!("pictures/wrecking_ball.svg")]
 pub mod wrecking_ball {}
 
 #[doc = include_str!("building/breakable_joint.md")]
+#[doc = include_str!("pictures/breakable_joint.svg")]
 pub mod breakable_joint {}
 
 #[doc = include_str!("playing/drag.md")]
+#[doc = include_str!("pictures/drag.svg")]
 pub mod drag {}
 
 #[doc = include_str!("playing/stairs.md")]
+#[doc = include_str!("pictures/stairs.svg")]
 pub mod stairs {}
 
 #[doc = include_str!("playing/trigger_zone.md")]
@@ -142,26 +155,33 @@ pub mod trigger_zone {}
 pub mod hit_sound {}
 
 #[doc = include_str!("playing/platform.md")]
+#[doc = include_str!("pictures/platform.svg")]
 pub mod platform {}
 
 #[doc = include_str!("playing/conveyor.md")]
+#[doc = include_str!("pictures/conveyor.svg")]
 pub mod conveyor {}
 
 #[doc = include_str!("playing/one_way.md")]
+#[doc = include_str!("pictures/one_way.svg")]
 pub mod one_way {}
 
 #[doc = include_str!("playing/layers.md")]
+#[doc = include_str!("pictures/layers.svg")]
 pub mod layers {}
 
 #[doc = include_str!("playing/earthquake.md")]
+#[doc = include_str!("pictures/earthquake.svg")]
 pub mod earthquake {}
 
 #[doc = include_str!("playing/pause.md")]
 pub mod pause {}
 
 #[doc = include_str!("app/save.md")]
-/// ```ignore
+#[cfg_attr(feature = "scenes", doc = "```")]
+#[cfg_attr(not(feature = "scenes"), doc = "```ignore")]
 #[doc = include_str!("app/save.rs")]
+/// # an_arch_is_saved_and_loaded();
 /// ```
 pub mod save {}
 

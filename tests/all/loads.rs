@@ -133,7 +133,11 @@ fn static_and_kinematic_bodies_tell_their_load() {
             let weight = load(&lab, plate).supported_weight;
             assert!((weight - 100.0 * G).abs() < 1.0, "{kind:?}: {weight} N");
         }
-        assert!(lab.world.get::<Sleeping>(brick).is_some_and(|brick| brick.asleep));
+        assert!(
+            lab.world
+                .get::<Sleeping>(brick)
+                .is_some_and(|brick| brick.asleep)
+        );
         lab.world.despawn(brick);
         lab.step();
         assert_eq!(load(&lab, plate), Load::default());

@@ -175,7 +175,6 @@ pub mod one_way {}
 pub mod layers {}
 
 #[doc = include_str!("playing/earthquake.md")]
-#[doc = include_str!("pictures/earthquake.svg")]
 pub mod earthquake {}
 
 #[doc = include_str!("playing/pause.md")]

@@ -2,8 +2,10 @@
 //!
 //! The code of a page is what a game writes: systems with `Commands`, queries and observers. Functions that take a `World` come second.
 //! Each block is compiled and run as a test, except those that need a renderer, which say so. Lines that a page does not show are the test
-//! around it, and the imports of every game: `use bevy::prelude::*;` and `use drystone::prelude::*;`. A system that a page shows and does not
-//! add to the app is one for a key or a button: `app.add_systems(Update, saw.run_if(input_just_pressed(KeyCode::Space)))`.
+//! around it, and the imports of every game: `use bevy::prelude::*;` and `use drystone::prelude::*;`.
+//!
+//! A system that a page shows and does not add to the app is one for a key or a button:
+//! `app.add_systems(Update, saw.run_if(input_just_pressed(KeyCode::Space)))`.
 #![doc = include_str!("pictures/preview.svg")]
 #![doc = include_str!("pictures/loads.svg")]
 #![doc = include_str!("pictures/drawbridge.svg")]

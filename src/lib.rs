@@ -1,5 +1,91 @@
-//! **Drystone** is a rigid-body contact library for Bevy that is made for dry masonry: walls, stacks and arches stay where they were put,
-//! at large time steps and with few solver iterations.
+//! **Drystone** is a rigid-body physics library for [Bevy](https://bevy.org) that is made for dry masonry: walls, stacks, arches and towers
+//! stay where they were put, at large time steps and with few solver iterations. It is for games in which players build, load what they
+//! built and knock it down: it tells what supports a brick, how much weight is on it, and what falls without it.
+//!
+//! ```
+//! use bevy_app::prelude::*; // in a game: `use bevy::prelude::*;`
+//! use bevy_ecs::prelude::*;
+//! # use bevy_time::{TimePlugin, TimeUpdateStrategy};
+//! use drystone::masonry::{Bond, Wall};
+//! use drystone::prelude::*;
+//!
+//! fn build(mut commands: Commands) {
+//!     commands.spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+//!     for brick in Wall::new(Bond::Running).blocks().unwrap() {
+//!         // `RigidBody::Dynamic`, a `Collider` and a `Transform`; and a component that tells the weight on the brick.
+//!         commands.spawn((brick.bundle(), Load::default()));
+//!     }
+//! }
+//!
+//! fn watch(bricks: Query<(Entity, &Load)>) {
+//!     for (brick, load) in &bricks {
+//!         if load.supported_weight > 30_000.0 {
+//!             println!("{brick} bears {:.0} N", load.supported_weight);
+//!         }
+//!     }
+//! }
+//!
+//! # let mut app = App::new();
+//! # app.add_plugins(TimePlugin).insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+//! // Steps are taken in `FixedPostUpdate`.
+//! app.add_plugins(DrystonePlugins::default()).add_systems(Startup, build).add_systems(Update, watch);
+//! # app.finish();
+//! # (0..60).for_each(|_| app.update());
+//! # let world = app.world_mut();
+//! # let most = world.query::<&Load>().iter(world).map(|load| load.supported_weight).fold(0.0, f32::max);
+//! # assert!(most > 10_000.0, "{most}");
+//! ```
+//!
+//! # Where to start
+//!
+//! | you want | read |
+//! |---|---|
+//! | a game with it | the [quickstart](cookbook::quickstart): ten minutes from `cargo new` to a wall that one shoots at |
+//! | one task solved | the [cookbook]: a page for each, from a drawbridge to netcode |
+//! | to change from another library | [from Avian](cookbook::from_avian), [from bevy_rapier](cookbook::from_rapier) |
+//! | the types for a task | [modules by task](#by-task), [questions about the world](#questions-about-the-world), the [prelude] |
+//! | what is promised and what is not | [promises], [limits of the library], [determinism](cookbook::determinism) |
+//! | how it works | [the method](#the-method), [the order of a step](#the-modules-in-the-order-of-a-step), [why structures stand] |
+//!
+//! [promises]: https://docs.rs/crate/drystone/latest/source/docs/promises.md
+//! [limits of the library]: https://docs.rs/crate/drystone/latest/source/docs/limits.md
+//! [why structures stand]: https://docs.rs/crate/drystone/latest/source/docs/stability.md
+//!
+//! # By task
+//!
+//! | to | see |
+//! |---|---|
+//! | build | [`masonry`] generates structures and undoes edits, [`mortar`] bonds bricks, [`children`] make a body of several colliders |
+//! | dig, break | [`voxels`]: bodies of cells; [`fracture`]: bodies that break into pieces at a blow, and debris |
+//! | move | [`body`]: velocities, forces, locks, teleports; [`character`]: characters that walk, jump and ride; [`grab`]: hands |
+//! | float, blow | [`fluid`]: water and wind, in which bodies float and drift |
+//! | join | [`joint`]: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break |
+//! | ask | the questions below; [`caster`]: rays and shapes of entities |
+//! | react | [`sensor`]: who is inside; [`contact`]: events of hits and forces; [`collapse`]: structures that fail |
+//! | see | the features `gizmos` and `picking`; [`profile`] and the feature `diagnostics` for times |
+//! | save | [`saving`], with the feature `scenes` or `serde` |
+//! | stream | [`streaming`]: regions of a large world are taken out, and put back as they stood |
+//! | tune | [`settings`]: gravity, pause and slow motion, solver, sleep, threads; [hooks](contact::ContactHooks) |
+//!
+//! The feature `mesh` makes colliders from meshes. All features are off by default.
+//!
+//! # Questions about the world
+//!
+//! Each question has a system parameter and a function. Use the parameter in a system, and the function where you have the world.
+//! [`refresh`] makes edits since the last step visible to queries.
+//!
+//! | question | in a system | with a world |
+//! |---|---|---|
+//! | What is here? Does this fit? | [`SpatialQuery`](query::SpatialQuery) | [`spatial_query`](query::spatial_query) |
+//! | Which forces act on a body? | [`Contacts`](contact::Contacts) | [`contacts`](contact::contacts()) |
+//! | Which joints has a body, and what do they bear? | [`Joints`](joint::Joints) | [`joints_of`](joint::joints_of) |
+//! | What supports a body, and what does it support? | [`Supports`](contact::Supports) | [`supports`](contact::supports()) |
+//! | What would happen after an edit? | [`Previews`](preview::Previews) | [`preview`](preview::preview()), `preview_task` |
+//! | Who is inside a zone? | [`SensorOverlaps`](sensor::SensorOverlaps), a component of the sensor | |
+//! | How deep is it inside? | [`SensorDepths`](sensor::SensorDepths) | [`sensor_depth`](sensor::sensor_depth) |
+//! | How much load can a structure take? (feature `stability`) | `Stability` | `stability`, `stability_task` |
+//!
+//! # The method
 //!
 //! Sticking contacts are held by anchors, and penetration is removed by a correction that lets contacts settle, after Silcowitz-Hansen,
 //! Niebe and Erleben, "Normal and Friction Stabilization Techniques for Interactive Rigid Body Constraint-based Contact Force Computations"
@@ -8,30 +94,6 @@
 //!
 //! Everything is data in an ECS. Bodies, contact pairs, manifolds, impulses and anchors are components, and a step is a sequence of
 //! systems. Each of them can be inspected, timed and replaced.
-//!
-//! ```
-//! use bevy_app::App;
-//! use bevy_transform::components::Transform;
-//! use drystone::prelude::*;
-//!
-//! let mut app = App::new();
-//! app.add_plugins(DrystonePlugins::default());
-//! app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
-//! let brick = app
-//!     .world_mut()
-//!     .spawn((
-//!         RigidBody::Dynamic,
-//!         Collider::cuboid(1.0, 0.5, 0.5),
-//!         Transform::from_xyz(0.0, 2.0, 0.0),
-//!     ))
-//!     .id();
-//! // A Bevy app takes steps in `FixedPostUpdate`. Without an app, call `step`.
-//! for _ in 0..120 {
-//!     drystone::step(app.world_mut(), 1.0 / 60.0).unwrap();
-//! }
-//! let height = app.world().get::<Transform>(brick).unwrap().translation.y;
-//! assert!((height - 0.25).abs() < 1e-3);
-//! ```
 //!
 //! # The modules, in the order of a step
 //!
@@ -62,39 +124,6 @@
 //! them. The stages of a step stand on these, and [`schedule`] puts the stages in order. Modules that ask, save, build or draw stand
 //! on [`schedule`], and no module that a step needs imports them. The whole list is `docs/layers.md`, and a test compares the imports with
 //! it.
-//!
-//! # Questions about the world
-//!
-//! Each question has a system parameter and a function. Use the parameter in a system, and the function where you have the world.
-//! [`refresh`] makes edits since the last step visible to queries.
-//!
-//! | question | in a system | with a world |
-//! |---|---|---|
-//! | What is here? Does this fit? | [`SpatialQuery`](query::SpatialQuery) | [`spatial_query`](query::spatial_query) |
-//! | Which forces act on a body? | [`Contacts`](contact::Contacts) | [`contacts`](contact::contacts()) |
-//! | Which joints has a body, and what do they bear? | [`Joints`](joint::Joints) | [`joints_of`](joint::joints_of) |
-//! | What supports a body, and what does it support? | [`Supports`](contact::Supports) | [`supports`](contact::supports()) |
-//! | What would happen after an edit? | [`Previews`](preview::Previews) | [`preview`](preview::preview()), `preview_task` |
-//! | Who is inside a zone? | [`SensorOverlaps`](sensor::SensorOverlaps), a component of the sensor | |
-//! | How much load can a structure take? (feature `stability`) | `Stability` | `stability`, `stability_task` |
-//!
-//! # By task
-//!
-//! | to | see |
-//! |---|---|
-//! | build | [`masonry`] generates structures and undoes edits, [`mortar`] bonds bricks, [`children`] make a body of several colliders |
-//! | dig, break | [`voxels`]: bodies of cells; [`fracture`]: bodies that break into pieces at a blow, and debris |
-//! | move | [`body`]: velocities, forces, locks, teleports; [`character`]: characters that walk, jump and ride; [`grab`]: hands |
-//! | float, blow | [`fluid`]: water and wind, in which bodies float and drift |
-//! | join | [`joint`]: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break |
-//! | ask | the questions above; [`caster`]: rays and shapes of entities |
-//! | react | [`sensor`]: who is inside; [`contact`]: events of hits and forces; [`collapse`]: structures that fail |
-//! | see | the features `gizmos` and `picking`; [`profile`] and the feature `diagnostics` for times |
-//! | save | [`saving`], with the feature `scenes` or `serde` |
-//! | stream | [`streaming`]: regions of a large world are taken out, and put back as they stood |
-//! | tune | [`settings`]: gravity, pause and slow motion, solver, sleep, threads; [hooks](contact::ContactHooks) |
-//!
-//! The module `cookbook` of this documentation solves tasks of a game one by one. The feature `mesh` makes colliders from meshes.
 //!
 //! Named scenes, experiments and meters are in a separate crate, `drystone-lab` in `lab/`, which examples, tests and benches use.
 

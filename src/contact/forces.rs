@@ -353,7 +353,8 @@ fn sticks(anchors: &ContactAnchors, range: Range<usize>, number: usize) -> bool 
 }
 
 /// Component that holds the sum of the contact forces on a body. Add it to the bodies that you want to observe. It is updated at the end of
-/// every step.
+/// every step. On a body that is not dynamic, such as a pressure plate or the ground, that takes time by the number of its contacts, also
+/// while all of them sleep.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "bevy_reflect",
@@ -382,7 +383,7 @@ pub fn loads(
     islands: Res<Islands>,
     gravity: Res<Gravity>,
     time: Res<StepTime>,
-    mut loads: Query<(Entity, &mut Load, Has<Inactive>)>,
+    mut loads: Query<(Entity, &mut Load, Option<&RigidBody>, Has<Inactive>)>,
 ) {
     if !time.is_last() {
         return;
@@ -399,15 +400,17 @@ pub fn loads(
         }
         load.set_if_neq(sum);
     };
-    for (body, load, is_inactive) in &mut loads {
-        if !is_inactive || load.is_added() {
+    for (body, load, kind, is_inactive) in &mut loads {
+        // Static bodies are always inactive, also while something awake lies on them.
+        let may_change = !is_inactive || kind != Some(&RigidBody::Dynamic);
+        if may_change || load.is_added() {
             update(body, load);
         }
     }
     // Awake bodies press on these.
     for &slot in islands.boundary() {
         if let Some(body) = contacts.table.get(slot)
-            && let Ok((_, load, _)) = loads.get_mut(body.entity)
+            && let Ok((_, load, ..)) = loads.get_mut(body.entity)
         {
             update(body.entity, load);
         }

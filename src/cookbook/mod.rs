@@ -1,89 +1,113 @@
-//! A cookbook: pages that each solve one task of a game. Their code is compiled and run as tests, except that of [`smooth`].
+//! A cookbook: pages that each solve one task of a game. New here? Begin with the [`quickstart`].
+//!
+//! The code of a page is what a game writes: systems with `Commands`, queries and observers. Functions that take a `World` come second.
+//! Each block is compiled and run as a test, except those that need a renderer, which say so. Lines that a page does not show are the test
+//! around it, and the imports of every game: `use bevy::prelude::*;` and `use drystone::prelude::*;`.
+//!
+//! A system that a page shows and does not add to the app is one for a key or a button:
+//! `app.add_systems(Update, saw.run_if(input_just_pressed(KeyCode::Space)))`.
+#![doc = include_str!("pictures/preview.svg")]
+#![doc = include_str!("pictures/loads.svg")]
+#![doc = include_str!("pictures/drawbridge.svg")]
+//!
+//! # Start here
 //!
 //! | page | |
 //! |---|---|
-//! | [`pause`] | Pause, slow motion and single steps |
-//! | [`platform`] | A platform that carries bricks |
-//! | [`earthquake`] | An earthquake |
-//! | [`conveyor`] | A conveyor belt |
-//! | [`one_way`] | A platform to jump through |
-//! | [`layers`] | Layers, ghosts and exceptions |
-//! | [`compound`] | A body of several colliders |
-//! | [`undo`] | Undo and redo |
-//! | [`preview`] | What falls if I remove this? |
-//! | [`support`] | What carries what |
-//! | [`force`] | The force between two bodies |
-//! | [`collapse`] | Tell when something collapses |
-//! | [`trebuchet`] | A trebuchet |
-//! | [`drawbridge`] | A drawbridge on two chains |
-//! | [`wrecking_ball`] | A wrecking ball |
-//! | [`breakable_joint`] | A joint that breaks |
-//! | [`mortar`] | A wall that breaks |
-//! | [`fracture`] | Things that break into pieces |
-//! | [`voxels`] | A hill that is dug |
-//! | [`trigger_zone`] | A trigger zone |
-//! | [`hit_sound`] | The sound of a hit |
-//! | [`stairs`] | A character that climbs stairs |
-//! | [`drag`] | Drag bodies with the pointer |
-//! | [`explosion`] | An explosion |
-//! | [`save`] | Save and load |
-//! | [`replay`] | A recording for a bug report |
-//! | [`town`] | A town of which only a part is in |
-//! | [`smooth`] | Smooth motion between steps |
-//! | [`server`] | A server without a window |
-//! | [`netcode`] | Rollback netcode, peer to peer or with a server |
-//! | [`bad_input`] | Bad input |
+//! | [`quickstart`] | Ten minutes to a wall that one shoots at |
 //! | [`settings`] | Which settings for which game |
 //! | [`from_avian`] | From Avian |
 //! | [`from_rapier`] | From bevy_rapier |
+//! | [`bad_input`] | Bad input |
+//!
+//! # Building, and knocking down
+//!
+//! | page | |
+//! |---|---|
+//! | [`support`] | What carries what |
+//! | [`loads`] | The weight on each brick |
+//! | [`force`] | The force between two bodies |
+//! | [`stability`] | How safe a structure stands |
+//! | [`preview`] | What falls if I remove this? |
+//! | [`undo`] | Undo and redo |
+//! | [`collapse`] | Tell when something collapses |
+//! | [`mortar`] | A wall that breaks |
+//! | [`fracture`] | Things that break into pieces |
+//! | [`voxels`] | A hill that is dug |
+//! | [`explosion`] | An explosion |
+//! | [`compound`] | A body of several colliders |
+//! | [`children`] | Bodies under bodies |
+//! | [`drawbridge`] | A drawbridge on two chains |
+//! | [`trebuchet`] | A trebuchet |
+//! | [`wrecking_ball`] | A wrecking ball |
+//! | [`breakable_joint`] | A joint that breaks |
+//!
+//! # Playing
+//!
+//! | page | |
+//! |---|---|
+//! | [`drag`] | Drag bodies with the pointer |
+//! | [`stairs`] | A character that climbs stairs |
+//! | [`trigger_zone`] | A trigger zone |
+//! | [`hit_sound`] | The sound of a hit |
+//! | [`platform`] | A platform that carries bricks |
+//! | [`conveyor`] | A conveyor belt |
+//! | [`one_way`] | A platform to jump through |
+//! | [`layers`] | Layers, ghosts and exceptions |
+//! | [`earthquake`] | An earthquake |
+//! | [`pause`] | Pause, slow motion and single steps |
+//!
+//! # Whole apps
+//!
+//! | page | |
+//! |---|---|
+//! | [`save`] | Save and load |
+//! | [`replay`] | A recording for a bug report |
+//! | [`determinism`] | What gives the same bits, and when |
+//! | [`netcode`] | Rollback netcode, peer to peer or with a server |
+//! | [`server`] | A server without a window |
+//! | [`town`] | A town of which only a part is in |
+//! | [`smooth`] | Smooth motion between steps |
 
-#[doc = include_str!("playing/pause.md")]
-pub mod pause {}
+#[doc = include_str!("app/quickstart.md")]
+pub mod quickstart {}
 
-#[doc = include_str!("playing/platform.md")]
-pub mod platform {}
+#[doc = include_str!("app/settings.md")]
+pub mod settings {}
 
-#[doc = include_str!("playing/earthquake.md")]
-pub mod earthquake {}
+#[doc = include_str!("app/from_avian.md")]
+pub mod from_avian {}
 
-#[doc = include_str!("playing/conveyor.md")]
-pub mod conveyor {}
+#[doc = include_str!("app/from_rapier.md")]
+pub mod from_rapier {}
 
-#[doc = include_str!("playing/one_way.md")]
-pub mod one_way {}
-
-#[doc = include_str!("playing/layers.md")]
-pub mod layers {}
-
-#[doc = include_str!("building/compound.md")]
-pub mod compound {}
-
-#[doc = include_str!("building/undo.md")]
-pub mod undo {}
-
-#[doc = include_str!("building/preview.md")]
-pub mod preview {}
+#[doc = include_str!("app/bad_input.md")]
+pub mod bad_input {}
 
 #[doc = include_str!("building/support.md")]
+#[doc = include_str!("pictures/support.svg")]
 pub mod support {}
+
+#[doc = include_str!("building/loads.md")]
+#[doc = include_str!("pictures/loads.svg")]
+pub mod loads {}
 
 #[doc = include_str!("building/force.md")]
 pub mod force {}
 
+#[doc = include_str!("building/stability.md")]
+pub mod stability {}
+
+#[doc = include_str!("building/preview.md")]
+#[doc = include_str!("pictures/preview.svg")]
+pub mod preview {}
+
+#[doc = include_str!("building/undo.md")]
+pub mod undo {}
+
 #[doc = include_str!("building/collapse.md")]
+#[doc = include_str!("pictures/collapse.svg")]
 pub mod collapse {}
-
-#[doc = include_str!("building/trebuchet.md")]
-pub mod trebuchet {}
-
-#[doc = include_str!("building/drawbridge.md")]
-pub mod drawbridge {}
-
-#[doc = include_str!("building/wrecking_ball.md")]
-pub mod wrecking_ball {}
-
-#[doc = include_str!("building/breakable_joint.md")]
-pub mod breakable_joint {}
 
 #[doc = include_str!("building/mortar.md")]
 pub mod mortar {}
@@ -94,50 +118,92 @@ pub mod fracture {}
 #[doc = include_str!("building/voxels.md")]
 pub mod voxels {}
 
+#[doc = include_str!("building/explosion.md")]
+#[doc = include_str!("pictures/explosion.svg")]
+pub mod explosion {}
+
+#[doc = include_str!("building/compound.md")]
+#[doc = include_str!("pictures/compound.svg")]
+pub mod compound {}
+
+#[doc = include_str!("building/children.md")]
+#[doc = include_str!("pictures/children.svg")]
+pub mod children {}
+
+#[doc = include_str!("building/drawbridge.md")]
+#[doc = include_str!("pictures/drawbridge.svg")]
+pub mod drawbridge {}
+
+#[doc = include_str!("building/trebuchet.md")]
+#[doc = include_str!("pictures/trebuchet.svg")]
+pub mod trebuchet {}
+
+#[doc = include_str!("building/wrecking_ball.md")]
+#[doc = include_str!("pictures/wrecking_ball.svg")]
+pub mod wrecking_ball {}
+
+#[doc = include_str!("building/breakable_joint.md")]
+#[doc = include_str!("pictures/breakable_joint.svg")]
+pub mod breakable_joint {}
+
+#[doc = include_str!("playing/drag.md")]
+#[doc = include_str!("pictures/drag.svg")]
+pub mod drag {}
+
+#[doc = include_str!("playing/stairs.md")]
+#[doc = include_str!("pictures/stairs.svg")]
+pub mod stairs {}
+
 #[doc = include_str!("playing/trigger_zone.md")]
 pub mod trigger_zone {}
 
 #[doc = include_str!("playing/hit_sound.md")]
 pub mod hit_sound {}
 
-#[doc = include_str!("playing/stairs.md")]
-pub mod stairs {}
+#[doc = include_str!("playing/platform.md")]
+#[doc = include_str!("pictures/platform.svg")]
+pub mod platform {}
 
-#[doc = include_str!("playing/drag.md")]
-pub mod drag {}
+#[doc = include_str!("playing/conveyor.md")]
+#[doc = include_str!("pictures/conveyor.svg")]
+pub mod conveyor {}
 
-#[doc = include_str!("building/explosion.md")]
-pub mod explosion {}
+#[doc = include_str!("playing/one_way.md")]
+#[doc = include_str!("pictures/one_way.svg")]
+pub mod one_way {}
+
+#[doc = include_str!("playing/layers.md")]
+#[doc = include_str!("pictures/layers.svg")]
+pub mod layers {}
+
+#[doc = include_str!("playing/earthquake.md")]
+pub mod earthquake {}
+
+#[doc = include_str!("playing/pause.md")]
+pub mod pause {}
 
 #[doc = include_str!("app/save.md")]
-/// ```ignore
+#[cfg_attr(feature = "scenes", doc = "```")]
+#[cfg_attr(not(feature = "scenes"), doc = "```ignore")]
 #[doc = include_str!("app/save.rs")]
+/// # an_arch_is_saved_and_loaded();
 /// ```
 pub mod save {}
 
 #[doc = include_str!("app/replay.md")]
 pub mod replay {}
 
+#[doc = include_str!("app/determinism.md")]
+pub mod determinism {}
+
+#[doc = include_str!("app/netcode.md")]
+pub mod netcode {}
+
+#[doc = include_str!("app/server.md")]
+pub mod server {}
+
 #[doc = include_str!("app/town.md")]
 pub mod town {}
 
 #[doc = include_str!("app/smooth.md")]
 pub mod smooth {}
-
-#[doc = include_str!("app/server.md")]
-pub mod server {}
-
-#[doc = include_str!("app/netcode.md")]
-pub mod netcode {}
-
-#[doc = include_str!("app/bad_input.md")]
-pub mod bad_input {}
-
-#[doc = include_str!("app/settings.md")]
-pub mod settings {}
-
-#[doc = include_str!("app/from_avian.md")]
-pub mod from_avian {}
-
-#[doc = include_str!("app/from_rapier.md")]
-pub mod from_rapier {}

@@ -118,6 +118,32 @@ fn a_load_at_rest_is_steady() {
     }
 }
 
+/// A pressure plate: static bodies tell their load from the first touch to the last, also when what lies on them sleeps or is despawned.
+#[test]
+fn static_and_kinematic_bodies_tell_their_load() {
+    for kind in [RigidBody::Static, RigidBody::Kinematic] {
+        let mut lab = Lab::new();
+        let at = Transform::from_xyz(0.0, 0.05, 0.0);
+        let plate = lab.spawn((kind, Collider::cuboid(2.0, 0.1, 2.0), Load::default(), at));
+        lab.step();
+        assert_eq!(load(&lab, plate), Load::default());
+        let brick = brick(&mut lab, Vec3::Y * 0.35, 100.0);
+        for seconds in [0.5, 10.0] {
+            lab.run(seconds);
+            let weight = load(&lab, plate).supported_weight;
+            assert!((weight - 100.0 * G).abs() < 1.0, "{kind:?}: {weight} N");
+        }
+        assert!(
+            lab.world
+                .get::<Sleeping>(brick)
+                .is_some_and(|brick| brick.asleep)
+        );
+        lab.world.despawn(brick);
+        lab.step();
+        assert_eq!(load(&lab, plate), Load::default());
+    }
+}
+
 /// Asleep it bears what it bore, whatever the length of steps that others take, and who asks then is told.
 #[test]
 fn sleeping_bodies_keep_their_loads() {

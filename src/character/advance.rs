@@ -3,6 +3,7 @@
 use super::ground::Carried;
 use super::{Character, CharacterState};
 use crate::body::{BodyState, Forces, Pose, RigidBody, SpawnOrder, collider::Collider};
+use crate::collider::LayerMask;
 use crate::diagnosis::ReportedProblems;
 use crate::query::{CharacterHit, Ground, QueryError, QueryFilter, SpatialQuery};
 use crate::settings::{Gravity, StepTime};
@@ -157,8 +158,13 @@ impl Character {
             state.fall += gravity * dt;
         }
         let alone = [entity];
-        let filter = QueryFilter::default().excluding(&alone).with_layers(layers);
         let way = (own + state.fall) * dt;
+        let reach = way.length() + rules.step_height + rules.snap_distance;
+        let stops = |other| self.is_stopped_by(world, other, (shape, start), reach);
+        let mut filter = QueryFilter::default().excluding(&alone).with_layers(layers);
+        if self.one_way != LayerMask::NONE {
+            filter = filter.with_predicate(&stops);
+        }
         let slide = (world.go(shape, start, way, stands, rules, &filter)).map_err(failed)?;
 
         let kept = carried.as_ref().filter(|_| !self.climbs);
@@ -185,7 +191,7 @@ impl Character {
 
 impl Character {
     fn is_finite(&self) -> bool {
-        let numbers = [self.jump, self.gravity_scale, self.push];
+        let numbers = [self.jump, self.gravity_scale, self.push, self.crouch_height];
         numbers.into_iter().all(f32::is_finite) && self.walk.is_finite()
     }
 
@@ -210,6 +216,8 @@ impl Character {
             let layers = body.properties.layers;
             let others = QueryFilter::default().excluding(&own).with_layers(layers);
             let way = by.velocity * dt;
+            let stops = |other| self.is_stopped_by(world, other, (shape, from), way.length());
+            let others = others.with_predicate(&stops);
             start.position = world.carry(shape, from, way, rules, &others)?;
             start.rotation = (about(by.turn, up) * from.rotation).normalize();
         }

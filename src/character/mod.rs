@@ -30,13 +30,18 @@
 //! ```
 
 mod advance;
+mod crouch;
 mod ground;
+mod one_way;
 
 pub use advance::{characters, take_places};
+pub use crouch::crouch;
 
 use crate::body::{Pose, RigidBody};
 use crate::broadphase::escaped_aabb;
+use crate::collider::LayerMask;
 use crate::components::{any_with, init};
+use crate::grab::{hands, refresh_for_hands};
 use crate::profile::{Profile, own};
 use crate::query::{Ground, MoveAndSlide};
 use crate::schedule::{PhysicsSchedule, PhysicsSystems};
@@ -57,10 +62,24 @@ pub struct CharacterPlugin;
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct CharacterSystems;
 
+/// The system set in which characters crouch and get up: before *prepare*.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct CrouchSystems;
+
 impl Plugin for CharacterPlugin {
     fn build(&self, app: &mut App) {
         init::<Profile>(app.world_mut());
         let profile = app.world().resource::<Profile>().clone();
+        app.add_systems(
+            PhysicsSchedule,
+            own(&profile, "prepare", crouch)
+                .run_if(any_with(Components::component_id::<Character>))
+                .before(PhysicsSystems::Prepare)
+                // What a hand closes on is the character as it stands now.
+                .before(refresh_for_hands)
+                .before(hands)
+                .in_set(CrouchSystems),
+        );
         app.add_systems(
             PhysicsSchedule,
             (
@@ -109,6 +128,15 @@ pub struct Character {
     pub climbs: bool,
     /// Factor on gravity. Default: 1.
     pub gravity_scale: f32,
+    /// Whether it crouches: its collider, an upright capsule, cylinder or cuboid, is lowered to [`crouch_height`](Self::crouch_height), with
+    /// its feet where they were. If this is false again, it gets up as soon as there is room. Default: false.
+    pub crouches: bool,
+    /// Its height while it crouches, m; a capsule stays as high as it is wide. Default: 1.
+    pub crouch_height: f32,
+    /// Layers of platforms that it passes from below and from the sides, and stands on. A platform is in no other layer. Default: none.
+    pub one_way: LayerMask,
+    /// Whether it drops through platforms in those layers. Default: false.
+    pub drops: bool,
     /// The largest force with which it pushes dynamic bodies that are in its way, N. Default: 300.
     pub push: f32,
     /// The rules by which it moves.
@@ -122,6 +150,10 @@ impl Default for Character {
             jump: 0.0,
             climbs: false,
             gravity_scale: 1.0,
+            crouches: false,
+            crouch_height: 1.0,
+            one_way: LayerMask::NONE,
+            drops: false,
             push: 300.0,
             rules: MoveAndSlide::default(),
         }
@@ -158,12 +190,19 @@ pub struct CharacterState {
     carried: Vec3,
     /// Time for which the ground has fallen away faster than the character falls, s.
     falling: f32,
+    /// The height of its collider when it does not crouch, m, while it crouches.
+    full_height: Option<f32>,
 }
 
 impl CharacterState {
     /// Whether it stands on something.
     pub fn stands(&self) -> bool {
         self.ground.is_some()
+    }
+
+    /// Whether its collider is lowered: it crouches, or has no room to get up.
+    pub fn crouches(&self) -> bool {
+        self.full_height.is_some()
     }
 }
 

@@ -52,6 +52,7 @@ pub use break_up::{Fractured, Fractures, shatter};
 pub use debris::{Debris, debris};
 pub use pieces::{FractureError, Piece, fracture, seeds};
 
+use crate::character::CrouchSystems;
 use crate::components::{any_with, init};
 use crate::grab::{hands, refresh_for_hands};
 use crate::joint_types::Mortar;
@@ -87,6 +88,7 @@ impl Plugin for FracturePlugin {
             )
                 .chain()
                 .before(PhysicsSystems::Prepare)
+                .after(CrouchSystems)
                 // A hand that closes on a body that breaks grabs a piece.
                 .before(refresh_for_hands)
                 .before(hands)

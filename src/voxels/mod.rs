@@ -53,6 +53,7 @@ mod sync;
 pub use grid::{VoxelChunk, Voxels};
 pub use sync::voxels;
 
+use crate::character::CrouchSystems;
 use crate::components::{any_with, init};
 use crate::fracture::FractureSystems;
 use crate::grab::{hands, refresh_for_hands};
@@ -81,6 +82,7 @@ impl Plugin for VoxelPlugin {
                 .run_if(any_with(Components::component_id::<Voxels>))
                 .before(PhysicsSystems::Prepare)
                 .before(FractureSystems)
+                .after(CrouchSystems)
                 .before(refresh_for_hands)
                 .before(hands)
                 .in_set(VoxelSystems),

@@ -24,6 +24,7 @@ mod queries;
 mod seams;
 mod sensors;
 mod sleep;
+mod stances;
 mod tops;
 
 /// 1/60 s.

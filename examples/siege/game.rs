@@ -1,6 +1,6 @@
 //! The game: its app, its clock, the order of its parts, and what is measured.
 
-use crate::{castle, drawbridge, keeper, lift, raiders, save, trebuchet};
+use crate::{castle, drawbridge, guard, hill, keeper, lift, moat, raiders, save, trebuchet};
 use bevy_app::App;
 use bevy_ecs::message::{Message, Messages};
 use bevy_ecs::prelude::*;
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 collision_layers! {
     /// Who a zone looks for.
-    pub enum Layer { Things, Raiders }
+    pub enum Layer { Things, Raiders, Guards, Platforms }
 }
 
 /// Time of the game, which is saved with it.
@@ -51,6 +51,12 @@ pub struct Tally {
     pub bonds_broken: u32,
     pub bricks_broken: u32,
     pub collapses: u32,
+    /// Barrels that float.
+    pub afloat: u32,
+    /// Cells that were blown out of the hill.
+    pub dug: u32,
+    /// Rounds of the guard.
+    pub rounds: u32,
     /// The farthest that a shot came, m.
     pub range: f32,
     /// The highest position of the lift, m.
@@ -89,6 +95,9 @@ impl Game {
         lift::build(world);
         trebuchet::build(world);
         raiders::build(world);
+        moat::build(world);
+        hill::build(world);
+        guard::build(world);
         Self {
             app,
             faults: Vec::new(),
@@ -106,6 +115,9 @@ impl Game {
         trebuchet::step(world, clock);
         drawbridge::step(world, clock);
         lift::step(world, clock);
+        moat::step(world, clock);
+        hill::step(world, clock);
+        guard::step(world, clock);
         self.keeper.step(world, clock, &mut self.faults);
         let start = Instant::now();
         if let Err(error) = drystone::step(world, clock.dt) {
@@ -174,6 +186,9 @@ impl Game {
         line("bonds of mortar broken", &tally.bonds_broken);
         line("bricks broken", &tally.bricks_broken);
         line("collapses", &tally.collapses);
+        line("barrels afloat", &tally.afloat);
+        line("cells blown away", &tally.dug);
+        line("rounds of the guard", &tally.rounds);
         line("highest lift, m", &format!("{:.2}", tally.lifted));
         line("saved game, kB", &(self.bytes / 1000));
         let mut times: Vec<f64> = self

@@ -1,5 +1,6 @@
-//! A siege, played by a script: a castle of some 550 bricks, a trebuchet, a drawbridge on two ropes, a lift, a mortared keep, raiders,
-//! a zone that counts them, repairs, undo, and a game that is saved and loaded in the middle of it.
+//! A siege, played by a script: a castle of some 550 bricks, a trebuchet, a drawbridge on two ropes over a moat in which barrels float, a
+//! hill in which holes are blown, a lift, a mortared keep, raiders, a zone that counts them, a guard that makes its rounds, repairs, undo,
+//! and a game that is saved and loaded in the middle of it.
 //!
 //! `cargo run --release --example siege -- --help`
 //!
@@ -8,8 +9,11 @@
 mod castle;
 mod drawbridge;
 mod game;
+mod guard;
+mod hill;
 mod keeper;
 mod lift;
+mod moat;
 mod raiders;
 mod save;
 mod trebuchet;

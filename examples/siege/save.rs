@@ -3,7 +3,10 @@
 use crate::castle::{Brick, Broken};
 use crate::drawbridge::{BridgeRope, Deck};
 use crate::game::{Clock, Tally};
+use crate::guard::{Guard, Ladder, Obstacle};
+use crate::hill::Hill;
 use crate::lift::{Platform, Slider};
+use crate::moat::{Barrel, Basin};
 use crate::raiders::{Raider, Yard};
 use crate::trebuchet::{Beam, Sling, Stone, Winch};
 use bevy_app::App;
@@ -20,6 +23,12 @@ pub fn register(app: &mut App) {
         .register_type::<BridgeRope>()
         .register_type::<Platform>()
         .register_type::<Slider>()
+        .register_type::<Guard>()
+        .register_type::<Ladder>()
+        .register_type::<Obstacle>()
+        .register_type::<Hill>()
+        .register_type::<Basin>()
+        .register_type::<Barrel>()
         .register_type::<Raider>()
         .register_type::<Yard>()
         .register_type::<Beam>()

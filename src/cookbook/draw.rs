@@ -84,11 +84,17 @@ impl Picture {
             "<g clip-path=\"url(#{id})\" stroke=\"#333\" stroke-width=\"0.7\">"
         ));
         self.line(format!("{panel} fill=\"#e8eef4\" stroke=\"none\"></rect>"));
+        // Water is drawn over what is in it, and air is not.
+        let density = |body: Entity| world.get::<Fluid>(body).map(|fluid| fluid.density);
+        let is_air = |body: Entity| density(body).is_some_and(|density| density < 10.0);
         let mut parts = parts(world);
+        parts.retain(|part| !is_air(part.0));
         // By centimetres: what stands beside each other stays in order, whatever the last bits are.
-        parts.sort_by_key(|part| (100.0 * part.1.position.z).round() as i32);
+        let depth = |pose: &Pose| (100.0 * pose.position.z).round() as i32;
+        parts.sort_by_key(|part| (density(part.0).is_some(), depth(&part.1)));
         for (body, pose, kind, collider) in parts {
             let color = self.colors.get(&body).copied().unwrap_or(match kind {
+                _ if density(body).is_some() => "#4f8fd070",
                 RigidBody::Static => "#9aa3ad",
                 RigidBody::Kinematic => "#7d9cc4",
                 RigidBody::Dynamic => "#cf8f68",
@@ -139,7 +145,8 @@ impl Picture {
         } else {
             // The ground.
             let [(left, bottom), (right, _)] = self.view;
-            let middle = Vec3::new(0.5 * (left + right), 0.5 * bottom.min(0.0) - 0.05, 0.0);
+            let depth = pose.position.y - bottom.min(0.0) + 0.1;
+            let middle = Vec3::new(0.5 * (left + right), -0.5 * depth, 0.0);
             corners(Vec3::new(right - left, -middle.y, 1.0))
                 .into_iter()
                 .map(|corner| corner + middle)

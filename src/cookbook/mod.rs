@@ -32,6 +32,7 @@
 //! | [`undo`] | Undo and redo |
 //! | [`collapse`] | Tell when something collapses |
 //! | [`mortar`] | A wall that breaks |
+//! | [`toy_bricks`] | A game of toy bricks |
 //! | [`fracture`] | Things that break into pieces |
 //! | [`voxels`] | A hill that is dug |
 //! | [`explosion`] | An explosion |
@@ -48,6 +49,8 @@
 //! |---|---|
 //! | [`drag`] | Drag bodies with the pointer |
 //! | [`stairs`] | A character that climbs stairs |
+//! | [`water`] | Water in which things float |
+//! | [`wind`] | Wind |
 //! | [`trigger_zone`] | A trigger zone |
 //! | [`hit_sound`] | The sound of a hit |
 //! | [`platform`] | A platform that carries bricks |
@@ -167,6 +170,18 @@ pub mod platform {}
 #[doc = include_str!("playing/conveyor.md")]
 #[doc = include_str!("pictures/conveyor.svg")]
 pub mod conveyor {}
+
+#[doc = include_str!("building/toy_bricks.md")]
+#[doc = include_str!("pictures/toy_bricks.svg")]
+pub mod toy_bricks {}
+
+#[doc = include_str!("playing/water.md")]
+#[doc = include_str!("pictures/water.svg")]
+pub mod water {}
+
+#[doc = include_str!("playing/wind.md")]
+#[doc = include_str!("pictures/wind.svg")]
+pub mod wind {}
 
 #[doc = include_str!("playing/one_way.md")]
 #[doc = include_str!("pictures/one_way.svg")]

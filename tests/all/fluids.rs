@@ -7,6 +7,7 @@ use drystone::body::Sleeping;
 use drystone::diagnosis::{BodyError, BodyProblem};
 use drystone::fluid::{FluidPoint, FluidState};
 use drystone::prelude::*;
+use drystone::settings::SleepSettings;
 use drystone::snapshot::Snapshot;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use support::*;
@@ -507,4 +508,26 @@ fn a_world_with_fluids_goes_on_from_a_snapshot_with_the_same_bits() {
     let first = run(&mut lab);
     snapshot.restore(&mut lab.world).unwrap();
     assert_eq!(run(&mut lab), first);
+}
+
+#[test]
+#[ignore = "measures time"]
+fn a_thousand_bodies_that_float_take_less_than_three_milliseconds() {
+    for (name, shape) in [
+        ("crates", Collider::cuboid(0.5, 0.5, 0.5)),
+        ("barrels", Collider::cylinder(0.25, 0.6)),
+    ] {
+        let (mut lab, _) = lake(Fluid::water());
+        lab.world.resource_mut::<SleepSettings>().enabled = false;
+        for i in 0..1000 {
+            let at = Transform::from_xyz(2.0 * (i % 40) as f32, 0.1, 2.0 * (i / 40) as f32);
+            lab.spawn(body(shape.clone(), 500.0, at));
+        }
+        steps(&mut lab, 60);
+        let start = std::time::Instant::now();
+        steps(&mut lab, 60);
+        let mean = start.elapsed().as_secs_f64() / 60.0;
+        println!("{name}: {:.2} ms a step", 1e3 * mean);
+        assert!(mean < 3e-3, "{name}");
+    }
 }

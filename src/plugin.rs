@@ -12,7 +12,7 @@ use crate::components::{any_with, init};
 use crate::contact::{self, ContactEnded, ContactForce, ContactStarted, Untriggered};
 use crate::diagnosis::{BodyError, FoundProblems, ReportedProblems, StepError};
 use crate::fracture::FracturePlugin;
-use crate::graph::{self, ConstraintGraph, Islands};
+use crate::graph::{self, ConstraintGraph, Islands, Wakes};
 use crate::joint::{BrokenJoints, JointBroke};
 use crate::joint_types::{self, JointChanges, JointError, Mortar};
 use crate::mortar::{self, BrokenMortar, MortarBroke};
@@ -80,7 +80,7 @@ impl Default for DrystonePlugins {
 
 impl PluginGroup for DrystonePlugins {
     fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>()
+        let group = PluginGroupBuilder::start::<Self>()
             .add(StepPlugin { label: self.label })
             .add(BodyPlugin)
             .add(CollisionPlugin)
@@ -97,7 +97,10 @@ impl PluginGroup for DrystonePlugins {
             .add(CharacterPlugin)
             .add(FracturePlugin)
             .add(CasterPlugin)
-            .add(VoxelPlugin)
+            .add(VoxelPlugin);
+        #[cfg(feature = "mesh")]
+        let group = group.add(crate::mesh_colliders::MeshColliderPlugin);
+        group
     }
 }
 
@@ -136,6 +139,7 @@ impl Plugin for StepPlugin {
         init::<Broadphase>(world);
         init::<ConstraintGraph>(world);
         init::<Islands>(world);
+        init::<Wakes>(world);
         init::<IslandProblems>(world);
         init::<SolveReports>(world);
         init::<LostPairs>(world);
@@ -505,6 +509,11 @@ pub struct RefreshSystems;
 
 impl Plugin for RefreshPlugin {
     fn build(&self, app: &mut App) {
+        #[cfg(feature = "mesh")]
+        app.configure_sets(
+            PreUpdate,
+            RefreshSystems.after(crate::mesh_colliders::MeshColliderSystems),
+        );
         app.init_schedule(RefreshSchedule)
             .add_systems(
                 RefreshSchedule,

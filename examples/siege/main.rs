@@ -10,6 +10,8 @@ mod drawbridge;
 mod game;
 mod keeper;
 mod lift;
+#[cfg(feature = "ui")]
+mod panel;
 mod raiders;
 mod save;
 mod trebuchet;

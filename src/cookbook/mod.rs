@@ -21,6 +21,7 @@
 //! | [`mortar`] | A wall that breaks |
 //! | [`fracture`] | Things that break into pieces |
 //! | [`voxels`] | A hill that is dug |
+//! | [`scenes`] | Colliders of a scene from Blender |
 //! | [`trigger_zone`] | A trigger zone |
 //! | [`hit_sound`] | The sound of a hit |
 //! | [`stairs`] | A character that climbs stairs |
@@ -93,6 +94,9 @@ pub mod fracture {}
 
 #[doc = include_str!("building/voxels.md")]
 pub mod voxels {}
+
+#[doc = include_str!("building/scenes.md")]
+pub mod scenes {}
 
 #[doc = include_str!("playing/trigger_zone.md")]
 pub mod trigger_zone {}

@@ -37,7 +37,14 @@ impl Islands {
         }
         let &Need { graph, table, .. } = need;
         let world = (graph, table);
+        let parted: FixedBitSet = self.parted.iter().map(|&slot| slot as usize).collect();
         for (slot, _) in table.active().filter(|(_, body)| body.disturbed) {
+            // A body beside one that was removed is disturbed too.
+            let reason = match parted.contains(slot as usize) {
+                true => WakeReason::LostContact,
+                false => WakeReason::Edited,
+            };
+            rising.cause = Cause::new(reason, None);
             rising.add(table, slot);
         }
         rising.cause = Cause::new(WakeReason::LostContact, None);

@@ -30,7 +30,12 @@ struct Gate {
 /// The text of the glTF file, and the data beside it.
 pub fn model(bin: &str) -> (String, Vec<u8>) {
     let mut model = Model::default();
-    let tints = [[0.56, 0.50, 0.40], [0.48, 0.43, 0.36], [0.63, 0.57, 0.46], [0.42, 0.39, 0.34]];
+    let tints = [
+        [0.56, 0.50, 0.40],
+        [0.48, 0.43, 0.36],
+        [0.63, 0.57, 0.46],
+        [0.42, 0.39, 0.34],
+    ];
     let tints = tints.map(|tint| model.material("Stone", tint, 0.9, ""));
     let mut gate = Gate {
         model,
@@ -42,7 +47,9 @@ pub fn model(bin: &str) -> (String, Vec<u8>) {
     gate.arch();
     gate.spandrels();
     gate.top();
-    let Gate { mut model, stones, .. } = gate;
+    let Gate {
+        mut model, stones, ..
+    } = gate;
     model.root(Node {
         name: "Gate",
         children: stones,
@@ -59,7 +66,8 @@ impl Gate {
     fn stone(&mut self, mesh: &str, outline: &[Vec2], rule: &str, at: Vec3, turn: Quat) {
         // Neighbours differ, and the file is the same every time.
         let tint = [0, 2, 1, 0, 3, 2, 0, 1, 2, 3, 1][self.count % 11];
-        let extras = format!(r#"{{"drystone":{{"collider":"{rule}","density":2400,"friction":0.7}}}}"#);
+        let extras =
+            format!(r#"{{"drystone":{{"collider":"{rule}","density":2400,"friction":0.7}}}}"#);
         let parts = [(prism(outline, DEPTH, CHAMFER), self.tints[tint])];
         let mesh = self.model.mesh(&format!("{mesh} {tint}"), &extras, &parts);
         self.count += 1;
@@ -75,7 +83,13 @@ impl Gate {
     }
 
     /// A course of boxes between two places, with these shares of its length, on one side of the gate or on both.
-    fn course(&mut self, sides: &[f32], [from, to]: [f32; 2], [low, high]: [f32; 2], shares: &[f32]) {
+    fn course(
+        &mut self,
+        sides: &[f32],
+        [from, to]: [f32; 2],
+        [low, high]: [f32; 2],
+        shares: &[f32],
+    ) {
         let whole: f32 = shares.iter().sum();
         for &side in sides {
             let mut start = from;
@@ -91,7 +105,10 @@ impl Gate {
     }
 
     fn piers(&mut self) {
-        for (k, shares) in [&[1.0, 1.0][..], &[0.5, 1.0, 0.5], &[1.0, 1.0]].into_iter().enumerate() {
+        for (k, shares) in [&[1.0, 1.0][..], &[0.5, 1.0, 0.5], &[1.0, 1.0]]
+            .into_iter()
+            .enumerate()
+        {
             let low = COURSE * k as f32;
             self.course(&[-1.0, 1.0], [INNER, HALF], [low, low + COURSE], shares);
         }
@@ -102,7 +119,12 @@ impl Gate {
         // The back is tangential to the radius, so that what lies on it lies on a face.
         let (inner, outer) = (INNER, OUTER / half.cos());
         let corner = |radius: f32, angle: f32| radius * Vec2::new(angle.sin(), angle.cos());
-        let outline = [corner(inner, half), corner(outer, half), corner(outer, -half), corner(inner, -half)];
+        let outline = [
+            corner(inner, half),
+            corner(outer, half),
+            corner(outer, -half),
+            corner(inner, -half),
+        ];
         let middle = Vec2::new(0.0, 0.5 * (INNER + OUTER));
         let outline = outline.map(|corner| corner - middle);
         for i in 0..VOUSSOIRS {
@@ -137,7 +159,12 @@ impl Gate {
 
 /// What stands still: it has no body, so its colliders are static.
 fn surroundings(model: &mut Model) {
-    let grass = model.material("Grass", [0.17, 0.26, 0.09], 0.95, r#"{"drystone.friction":0.8}"#);
+    let grass = model.material(
+        "Grass",
+        [0.17, 0.26, 0.09],
+        0.95,
+        r#"{"drystone.friction":0.8}"#,
+    );
     let height = |x: f32, z: f32| {
         let away = ((x * x + z * z).sqrt() - 9.0).max(0.0);
         0.02 * away * away * (1.0 + 0.6 * (0.35 * x).sin() * (0.3 * z).cos())
@@ -153,7 +180,11 @@ fn surroundings(model: &mut Model) {
     let leaves = model.material("Leaves", [0.10, 0.20, 0.05], 0.9, r#"{"drystone":"none"}"#);
     let trunk = [(0.0, 0.0), (0.26, 0.0), (0.19, 2.6), (0.0, 2.6)].map(Vec2::from);
     let mut crown = Vec::new();
-    for (at, radius) in [(Vec3::new(0.0, 3.6, 0.0), 1.5), (Vec3::new(0.8, 3.1, 0.5), 1.0), (Vec3::new(-0.8, 3.2, 0.3), 1.1)] {
+    for (at, radius) in [
+        (Vec3::new(0.0, 3.6, 0.0), 1.5),
+        (Vec3::new(0.8, 3.1, 0.5), 1.0),
+        (Vec3::new(-0.8, 3.2, 0.3), 1.1),
+    ] {
         crown.extend(ball(radius).into_iter().map(|face| {
             let moved = |(corner, normal): (Vec3, Vec3)| (at + corner, normal);
             face.into_iter().map(moved).collect::<Vec<_>>()
@@ -168,7 +199,14 @@ fn surroundings(model: &mut Model) {
         ..Default::default()
     });
     let cloth = model.material("Cloth", [0.45, 0.03, 0.03], 0.9, "");
-    let outline = [(0.42, 0.9), (-0.42, 0.9), (-0.42, -0.5), (0.0, -0.9), (0.42, -0.5)].map(Vec2::from);
+    let outline = [
+        (0.42, 0.9),
+        (-0.42, 0.9),
+        (-0.42, -0.5),
+        (0.0, -0.9),
+        (0.42, -0.5),
+    ]
+    .map(Vec2::from);
     let mesh = model.mesh("Banner", "", &[(prism(&outline, 0.02, 0.004), cloth)]);
     for x in [-2.3, 2.3] {
         model.root(Node {
@@ -186,12 +224,21 @@ fn barrels(model: &mut Model) {
     let iron = model.material("Hoops", [0.08, 0.08, 0.09], 0.45, r#"{"drystone":"none"}"#);
     let bulge = |y: f32| 0.36 - 0.28 * y * y;
     let mut profile = vec![Vec2::new(0.0, -0.45)];
-    profile.extend((0..=8).map(|i| -0.45 + 0.1125 * i as f32).map(|y| Vec2::new(bulge(y), y)));
+    profile.extend(
+        (0..=8)
+            .map(|i| -0.45 + 0.1125 * i as f32)
+            .map(|y| Vec2::new(bulge(y), y)),
+    );
     profile.push(Vec2::new(0.0, 0.45));
     let mut hoops = Vec::new();
     for y in [-0.36_f32, -0.16, 0.16, 0.36] {
         let out = |y: f32, by: f32| Vec2::new(bulge(y) + by, y);
-        let band = [out(y - 0.03, -0.01), out(y - 0.03, 0.008), out(y + 0.03, 0.008), out(y + 0.03, -0.01)];
+        let band = [
+            out(y - 0.03, -0.01),
+            out(y - 0.03, 0.008),
+            out(y + 0.03, 0.008),
+            out(y + 0.03, -0.01),
+        ];
         hoops.extend(lathe(&band, 24, true));
     }
     let parts = [(lathe(&profile, 24, true), wood), (hoops, iron)];
@@ -222,8 +269,20 @@ fn kettle(model: &mut Model) {
     let copper = model.material("Copper", [0.60, 0.26, 0.13], 0.35, "");
     let shot = model.material("Shot", [0.10, 0.10, 0.11], 0.4, "");
     // Outside from below upwards, over the rim, and down again.
-    let outside = [(0.0, 0.0), (0.34, 0.0), (0.50, 0.16), (0.54, 0.40), (0.50, 0.60)];
-    let inside = [(0.42, 0.60), (0.45, 0.40), (0.42, 0.19), (0.28, 0.08), (0.0, 0.08)];
+    let outside = [
+        (0.0, 0.0),
+        (0.34, 0.0),
+        (0.50, 0.16),
+        (0.54, 0.40),
+        (0.50, 0.60),
+    ];
+    let inside = [
+        (0.42, 0.60),
+        (0.45, 0.40),
+        (0.42, 0.19),
+        (0.28, 0.08),
+        (0.0, 0.08),
+    ];
     let profile: Vec<Vec2> = outside.into_iter().chain(inside).map(Vec2::from).collect();
     let extras = r#"{"drystone":{"collider":"decomposition","density":3000,"friction":0.5}}"#;
     let mesh = model.mesh("Kettle", extras, &[(lathe(&profile, 24, true), copper)]);
@@ -237,7 +296,15 @@ fn kettle(model: &mut Model) {
     });
     let extras = r#"{"drystone":{"collider":"ball","density":7800}}"#;
     let mesh = model.mesh("Shot", extras, &[(ball(0.14), shot)]);
-    for (i, (x, y, z)) in [(0.12, 0.4, 0.1), (-0.15, 0.42, 0.02), (0.05, 0.75, -0.14), (0.0, 1.2, 0.0)].into_iter().enumerate() {
+    for (i, (x, y, z)) in [
+        (0.12, 0.4, 0.1),
+        (-0.15, 0.42, 0.02),
+        (0.05, 0.75, -0.14),
+        (0.0, 1.2, 0.0),
+    ]
+    .into_iter()
+    .enumerate()
+    {
         model.root(Node {
             name: &format!("Shot.{:03}", i + 1),
             mesh: Some(mesh),

@@ -88,7 +88,10 @@ impl Plugin for ScenePlugin {
             })
             .add_observer(stand)
             .add_systems(Startup, (load, shine))
-            .add_systems(Update, throw.run_if(resource_exists::<ButtonInput<KeyCode>>));
+            .add_systems(
+                Update,
+                throw.run_if(resource_exists::<ButtonInput<KeyCode>>),
+            );
     }
 }
 

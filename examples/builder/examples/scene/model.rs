@@ -83,14 +83,17 @@ impl Model {
                         vertices.len() - 1
                     }) as u16
                 };
-                let corners: Vec<u16> = polygon.iter().map(|of| corner(of, &mut vertices)).collect();
+                let corners: Vec<u16> =
+                    polygon.iter().map(|of| corner(of, &mut vertices)).collect();
                 for i in 1..corners.len() - 1 {
                     indices.extend([corners[0], corners[i], corners[i + 1]]);
                 }
             }
-            let bounds = vertices.iter().fold((Vec3::MAX, Vec3::MIN), |(least, most), of| {
-                (least.min(of.0), most.max(of.0))
-            });
+            let bounds = vertices
+                .iter()
+                .fold((Vec3::MAX, Vec3::MIN), |(least, most), of| {
+                    (least.min(of.0), most.max(of.0))
+                });
             let floats = |of: fn(&(Vec3, Vec3)) -> Vec3| {
                 let all = vertices.iter().flat_map(|vertex| of(vertex).to_array());
                 all.flat_map(f32::to_le_bytes).collect::<Vec<u8>>()
@@ -117,7 +120,12 @@ impl Model {
         self.meshes.len() - 1
     }
 
-    fn accessor(&mut self, bytes: &[u8], (kind, of, count): (u32, &str, usize), more: &str) -> usize {
+    fn accessor(
+        &mut self,
+        bytes: &[u8],
+        (kind, of, count): (u32, &str, usize),
+        more: &str,
+    ) -> usize {
         while !self.bin.len().is_multiple_of(4) {
             self.bin.push(0);
         }
@@ -182,7 +190,9 @@ impl Model {
 
 /// A flat face.
 fn face(corners: &[Vec3]) -> Polygon {
-    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+    let normal = (corners[1] - corners[0])
+        .cross(corners[2] - corners[0])
+        .normalize();
     corners.iter().map(|&corner| (corner, normal)).collect()
 }
 
@@ -212,9 +222,18 @@ pub fn prism(outline: &[Vec2], depth: f32, chamfer: f32) -> Vec<Polygon> {
     back.reverse();
     let mut faces = vec![face(&ring(&small, far)), face(&back)];
     for i in 0..count {
-        let bands = [(outline, -near, outline, near), (outline, near, &small[..], far), (&small[..], -far, outline, -near)];
+        let bands = [
+            (outline, -near, outline, near),
+            (outline, near, &small[..], far),
+            (&small[..], -far, outline, -near),
+        ];
         for (from, back, to, front) in bands {
-            let corners = [at(from, i, back), at(from, i + 1, back), at(to, i + 1, front), at(to, i, front)];
+            let corners = [
+                at(from, i, back),
+                at(from, i + 1, back),
+                at(to, i + 1, front),
+                at(to, i, front),
+            ];
             faces.push(face(&corners));
         }
     }
@@ -224,7 +243,12 @@ pub fn prism(outline: &[Vec2], depth: f32, chamfer: f32) -> Vec<Polygon> {
 /// A rectangle about the origin.
 pub fn rectangle(width: f32, height: f32) -> Vec<Vec2> {
     let half = 0.5 * Vec2::new(width, height);
-    let signs = [Vec2::NEG_ONE, Vec2::new(1.0, -1.0), Vec2::ONE, Vec2::new(-1.0, 1.0)];
+    let signs = [
+        Vec2::NEG_ONE,
+        Vec2::new(1.0, -1.0),
+        Vec2::ONE,
+        Vec2::new(-1.0, 1.0),
+    ];
     signs.map(|sign| sign * half).to_vec()
 }
 
@@ -237,7 +261,12 @@ pub fn lathe(profile: &[Vec2], around: usize, smooth: bool) -> Vec<Polygon> {
     let mut faces = Vec::new();
     for pair in profile.windows(2) {
         for i in 0..around {
-            let corners = [point(pair[0], i), point(pair[0], i + 1), point(pair[1], i + 1), point(pair[1], i)];
+            let corners = [
+                point(pair[0], i),
+                point(pair[0], i + 1),
+                point(pair[1], i + 1),
+                point(pair[1], i),
+            ];
             let mut corners: Vec<Vec3> = corners.to_vec();
             corners.dedup_by(|a, b| a.distance(*b) < 1e-6);
             if corners.len() == 4 && corners[0].distance(corners[3]) < 1e-6 {
@@ -282,6 +311,9 @@ pub fn ground(size: f32, cells: usize, height: impl Fn(f32, f32) -> f32) -> Vec<
         (Vec3::new(x, height(x, z), z), normal)
     };
     let cells = 0..cells;
-    let all = cells.clone().flat_map(|i| cells.clone().map(move |k| (i, k)));
-    all.map(|(i, k)| vec![at(i, k), at(i, k + 1), at(i + 1, k + 1), at(i + 1, k)]).collect()
+    let all = cells
+        .clone()
+        .flat_map(|i| cells.clone().map(move |k| (i, k)));
+    all.map(|(i, k)| vec![at(i, k), at(i, k + 1), at(i + 1, k + 1), at(i + 1, k)])
+        .collect()
 }

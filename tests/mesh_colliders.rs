@@ -1,4 +1,5 @@
-//! Tests of colliders from the meshes of scenes, in an app without a window. The scenes are spawned by hand, as a loader of glTF would do it.
+//! Tests of colliders from the meshes of scenes, in an app without a window. The scenes are spawned by hand, as a loader of glTF would do
+//! it.
 
 use bevy_app::{App, TaskPoolPlugin};
 use bevy_asset::{AssetApp, AssetPlugin, AssetServer, Assets, Handle};
@@ -33,8 +34,8 @@ fn app() -> App {
     app
 }
 
-/// Components of the names, and with the field, that those of `bevy_gltf` have. That crate compiles parts of a renderer; the builder's tests load
-/// a real file.
+/// Components of the names, and with the field, that those of `bevy_gltf` have. That crate compiles parts of a renderer; the builder's
+/// tests load a real file.
 #[derive(Component, Reflect)]
 #[reflect(Component)]
 struct GltfExtras {
@@ -446,6 +447,15 @@ fn extras_make_bodies_and_colliders() {
     let mass = app.world().get::<MassProperties>(stone).unwrap().mass();
     assert!((mass - 2400.0).abs() < 1.0, "{mass}");
     assert!(errors(&mut app).is_empty());
+}
+
+/// For scenes, inspectors, and the add-on Skein for Blender.
+#[test]
+fn the_component_is_registered_for_reflection() {
+    let app = app();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let of = registry.get_with_short_type_path("MeshColliders").unwrap();
+    assert!(of.data::<ReflectComponent>().is_some());
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Reads glTF extras: JSON that artists write as custom properties (feature `gltf`).
 //!
-//! `bevy_gltf` puts them into components, which are found here by their names, through reflection: that crate compiles parts of the renderer.
+//! `bevy_gltf` puts them into components, which are found here by their names, through reflection: that crate compiles parts of the
+//! renderer.
 
 use super::MeshColliders;
 use super::error::MeshProblem;

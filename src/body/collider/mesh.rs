@@ -11,7 +11,8 @@ use glam::Vec3;
 ///
 /// | variant | for | cost in a step |
 /// |---|---|---|
-/// | [`Cuboid`](Self::Cuboid), [`Ball`](Self::Ball), [`Capsule`](Self::Capsule), [`Cylinder`](Self::Cylinder) | bodies of every kind | lowest |
+/// | [`Cuboid`](Self::Cuboid), [`Ball`](Self::Ball) | bodies of every kind: crates, balls | lowest |
+/// | [`Capsule`](Self::Capsule), [`Cylinder`](Self::Cylinder) | bodies of every kind: people, barrels | low |
 /// | [`ConvexHull`](Self::ConvexHull) | bodies of every kind: stones, bricks | low, grows with the corners |
 /// | [`Decomposition`](Self::Decomposition) | bodies of every kind that have hollows: a bowl, an arch in one piece | grows with the parts |
 /// | [`Surface`](Self::Surface) | static and kinematic bodies: terrain, houses | grows with the triangles that something touches |

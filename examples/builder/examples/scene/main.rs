@@ -1,7 +1,7 @@
 //! A glTF scene whose meshes become colliders: a gate of loose stones, barrels, a kettle with balls, a tree, a banner.
 //!
-//! The file says in its extras what most objects are; see `gate.rs`, which wrote it. The rest is said here: what has no extras is a surface that
-//! stands still, and banners have no collider.
+//! The file says in its extras what most objects are; see `gate.rs`, which wrote it. The rest is said here: what has no extras is a
+//! surface that stands still, and banners have no collider.
 //!
 //! ```sh
 //! # In a window. B: throws a ball.

@@ -61,7 +61,9 @@ impl Model {
         let [r, g, b] = color;
         let metal = if rough < 0.5 { 0.8 } else { 0.0 };
         self.materials.push(format!(
-            r#"{{"name":"{name}","pbrMetallicRoughness":{{"baseColorFactor":[{r},{g},{b},1],"metallicFactor":{metal},"roughnessFactor":{rough}}}{}}}"#,
+            r#"{{"name":"{name}","pbrMetallicRoughness":{{{}{}}}{}}}"#,
+            format_args!(r#""baseColorFactor":[{r},{g},{b},1],"#),
+            format_args!(r#""metallicFactor":{metal},"roughnessFactor":{rough}"#),
             extras(of_extras)
         ));
         self.materials.len() - 1
@@ -172,18 +174,22 @@ impl Model {
     pub fn finish(self, bin: &str) -> (String, Vec<u8>) {
         let block = |of: Vec<String>| format!("[\n{}\n]", of.join(",\n"));
         let meshes = self.meshes.into_iter().map(|(_, mesh)| mesh).collect();
-        let text = format!(
-            "{{\"asset\":{{\"version\":\"2.0\",\"generator\":\"drystone, examples/builder/examples/scene\"}},\n\"scene\":0,\"scenes\":[{{\"nodes\":{}}}],\n\
-             \"nodes\":{},\n\"materials\":{},\n\"meshes\":{},\n\"accessors\":{},\n\"bufferViews\":{},\n\
-             \"buffers\":[{{\"uri\":\"{bin}\",\"byteLength\":{}}}]}}\n",
-            list(&self.roots),
-            block(self.nodes),
-            block(self.materials),
-            block(meshes),
-            block(self.accessors),
-            block(self.views),
-            self.bin.len(),
-        );
+        let asset = r#"{"version":"2.0","generator":"drystone, examples/builder/examples/scene"}"#;
+        let scenes = format!(r#"[{{"nodes":{}}}]"#, list(&self.roots));
+        let buffer = format!(r#"[{{"uri":"{bin}","byteLength":{}}}]"#, self.bin.len());
+        let parts = [
+            ("asset", asset.to_owned()),
+            ("scene", "0".to_owned()),
+            ("scenes", scenes),
+            ("nodes", block(self.nodes)),
+            ("materials", block(self.materials)),
+            ("meshes", block(meshes)),
+            ("accessors", block(self.accessors)),
+            ("bufferViews", block(self.views)),
+            ("buffers", buffer),
+        ];
+        let parts = parts.map(|(name, value)| format!(r#""{name}":{value}"#));
+        let text = format!("{{{}}}\n", parts.join(",\n"));
         (text, self.bin)
     }
 }

@@ -472,6 +472,13 @@ fn the_nearest_extras_win_and_names_come_before_those_of_their_entity() {
     let material = GltfMaterialExtras {
         value: r#"{"drystone.friction": 0.2}"#.into(),
     };
+    let ivy = GltfMaterialExtras {
+        value: r#"{"drystone": "none"}"#.into(),
+    };
+    let stone = GltfMeshExtras {
+        value: r#"{"drystone": "hull"}"#.into(),
+    };
+    let ivy = child(&mut app, group, (stone, ivy, mesh.clone()));
     let own = child(&mut app, group, (by_mesh, material, mesh.clone()));
     let named = (Name::new("Lintel"), extras(r#"{"drystone": "capsule"}"#));
     let named = child(&mut app, group, (named, mesh.clone()));
@@ -484,6 +491,7 @@ fn the_nearest_extras_win_and_names_come_before_those_of_their_entity() {
     let deaf = app.world_mut().spawn(deaf).id();
     app.update();
     assert_eq!(shape_of(&app, own), Some(ShapeType::TriMesh));
+    assert_eq!(shape_of(&app, ivy), None);
     assert_eq!(shape_of(&app, named), Some(ShapeType::Cuboid));
     assert_eq!(shape_of(&app, inherits), Some(ShapeType::ConvexPolyhedron));
     assert_eq!(shape_of(&app, deaf), Some(ShapeType::Ball));

@@ -105,8 +105,9 @@ impl Found {
     }
 }
 
-/// The components of `bevy_gltf` with extras: of nodes and parts of meshes, of whole meshes, of materials.
-const COMPONENTS: [&str; 3] = ["GltfExtras", "GltfMeshExtras", "GltfMaterialExtras"];
+/// The components of `bevy_gltf` with extras: of nodes and parts of meshes, of the material of a part, of the whole mesh. The first that says
+/// something decides.
+const COMPONENTS: [&str; 3] = ["GltfExtras", "GltfMaterialExtras", "GltfMeshExtras"];
 
 /// The text of a component with extras, if the entity has it.
 fn text_of(registry: &TypeRegistry, entity: EntityRef, component: &str) -> Option<String> {

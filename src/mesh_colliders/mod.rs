@@ -47,8 +47,8 @@
 //!
 //! # From Blender
 //! With the feature `gltf`, custom properties in Blender (*Include → Custom Properties* at export), which are *extras* in glTF, describe
-//! bodies and colliders. They may be on objects, meshes or materials, and hold for all meshes at and below them, unless a nearer one says
-//! otherwise:
+//! bodies and colliders. They may be on materials, meshes or objects. The nearest one decides: of a part of a mesh the material, then the
+//! mesh, its object, and the objects above.
 //!
 //! | property | value | |
 //! |---|---|---|

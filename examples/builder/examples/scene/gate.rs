@@ -2,7 +2,7 @@
 
 use crate::model::{Model, Node, ball, ground, lathe, prism, rectangle};
 use bevy::math::{Quat, Vec2, Vec3};
-use std::f32::consts::{FRAC_PI_2, PI};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// Radius of the opening and of the back of the arch, height of its springing and of a course, half the width of the gate, and depth, m.
 const INNER: f32 = 1.45;
@@ -134,21 +134,31 @@ impl Gate {
         }
     }
 
+    /// Courses beside the arch, lower and lower, so that little is open between them and it. Each begins at its back.
     fn spandrels(&mut self) {
         let outer = OUTER / (0.5 * PI / VOUSSOIRS as f32).cos();
-        for k in 0..4 {
-            let low = COURSE * k as f32;
+        let courses: [(f32, &[f32]); 6] = [
+            (0.5, &[1.0]),
+            (0.4, &[1.0, 1.0]),
+            (0.35, &[1.4, 1.0]),
+            (0.3, &[1.0, 1.0]),
+            (0.25, &[1.2, 1.0]),
+            (0.2, &[1.4, 1.0, 1.0]),
+        ];
+        let mut low = 0.0;
+        for (height, shares) in courses {
             let from = (outer * outer - low * low).sqrt() + 1e-3;
-            let shares: &[f32] = if k % 2 == 0 { &[1.0, 1.0] } else { &[1.2, 1.0] };
-            let shares = if k < 2 { shares } else { &[1.6, 1.0] };
-            let low = SPRINGING + low;
-            self.course(&[-1.0, 1.0], [from, HALF], [low, low + COURSE], shares);
+            let ends = [SPRINGING + low, SPRINGING + low + height];
+            self.course(&[-1.0, 1.0], [from, HALF], ends, shares);
+            low += height;
         }
     }
 
     fn top(&mut self) {
-        let low = SPRINGING + 4.0 * COURSE;
-        self.course(&[1.0], [-HALF, HALF], [low, low + 0.3], &[1.0; 7]);
+        // The two in the middle rest on the keystone and on the courses beside the arch.
+        let low = SPRINGING + OUTER;
+        let shares = [1.2, 0.9, 0.95];
+        self.course(&[-1.0, 1.0], [0.0, HALF], [low, low + 0.3], &shares);
         for i in 0..6 {
             let middle = HALF * (-0.9 + 0.36 * i as f32);
             let ends = [middle - 0.3, middle + 0.3];
@@ -167,7 +177,7 @@ fn surroundings(model: &mut Model) {
     );
     let height = |x: f32, z: f32| {
         let away = ((x * x + z * z).sqrt() - 9.0).max(0.0);
-        0.02 * away * away * (1.0 + 0.6 * (0.35 * x).sin() * (0.3 * z).cos())
+        0.1 * away * (1.0 + 0.6 * (0.3 * x).sin() * (0.25 * z).cos())
     };
     let mesh = model.mesh("Ground", "", &[(ground(48.0, 32, height), grass)]);
     model.root(Node {
@@ -295,20 +305,22 @@ fn kettle(model: &mut Model) {
         ..Default::default()
     });
     let extras = r#"{"drystone":{"collider":"ball","density":7800}}"#;
-    let mesh = model.mesh("Shot", extras, &[(ball(0.14), shot)]);
-    for (i, (x, y, z)) in [
-        (0.12, 0.4, 0.1),
-        (-0.15, 0.42, 0.02),
-        (0.05, 0.75, -0.14),
-        (0.0, 1.2, 0.0),
-    ]
-    .into_iter()
-    .enumerate()
-    {
+    let mesh = model.mesh("Shot", extras, &[(ball(0.13), shot)]);
+    // Three layers.
+    let layer = |y: f32, turn: f32, count: usize| {
+        let angle = move |i: usize| turn + TAU * i as f32 / 3.0;
+        let out = if count == 1 { 0.0 } else { 0.17 };
+        let place = move |i| Vec3::new(out * angle(i).sin(), y, out * angle(i).cos());
+        (0..count).map(place)
+    };
+    let layers = layer(0.3, 0.5, 3)
+        .chain(layer(0.57, 1.6, 3))
+        .chain(layer(0.84, 0.0, 1));
+    for (i, place) in layers.enumerate() {
         model.root(Node {
             name: &format!("Shot.{:03}", i + 1),
             mesh: Some(mesh),
-            at: at + Vec3::new(x, y, z),
+            at: at + place,
             extras: DYNAMIC,
             ..Default::default()
         });

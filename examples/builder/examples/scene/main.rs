@@ -111,7 +111,7 @@ fn stand(ready: On<MeshCollidersReady>, bodies: Query<&RigidBody>) {
 }
 
 fn view() -> Transform {
-    Transform::from_xyz(-4.6, 2.9, 9.6).looking_at(Vec3::new(0.15, 1.75, 0.0), Vec3::Y)
+    Transform::from_xyz(-4.4, 3.5, 9.4).looking_at(Vec3::new(0.15, 1.75, 0.0), Vec3::Y)
 }
 
 fn shine(mut commands: Commands) {

@@ -5,6 +5,7 @@ use crate::graph::{ConstraintGraph, Islands};
 use crate::joint_types::JointEdge;
 use crate::pair::ContactPair;
 use crate::profile::Profile;
+use crate::schedule::PhysicsSystems;
 use crate::settings::StepTime;
 use crate::state;
 use bevy_ecs::component::{ComponentId, Components};
@@ -76,12 +77,15 @@ impl Figures {
         };
         self.step.add(profile.step);
         for (name, time) in profile.systems() {
-            let known = self.stages.iter().position(|(of, _)| *of == name);
-            let known = known.unwrap_or_else(|| {
-                self.stages.push((name, Mean::default()));
-                self.stages.len() - 1
-            });
-            self.stages[known].1.add(time);
+            match self.stages.iter_mut().find(|(of, _)| *of == name) {
+                Some((_, mean)) => mean.add(time),
+                None => {
+                    let mut mean = Mean::default();
+                    mean.add(time);
+                    self.stages.push((name, mean));
+                    self.stages.sort_by_key(|(name, _)| place_of(name));
+                }
+            }
         }
     }
 
@@ -125,6 +129,14 @@ impl Figures {
         let with_joint = |id| world.archetypes().iter().filter(move |of| of.contains(id));
         self.joints = joint.map_or(0, |id| with_joint(id).map(|of| of.len() as usize).sum());
     }
+}
+
+/// The place of a stage in a step, by its name. Other systems come last.
+fn place_of(name: &str) -> usize {
+    let name = name.replace('_', "");
+    let is_same = |stage: &PhysicsSystems| format!("{stage:?}").eq_ignore_ascii_case(&name);
+    let order = PhysicsSystems::ORDER;
+    order.iter().position(is_same).unwrap_or(order.len())
 }
 
 /// The sizes of drystone's components.

@@ -5,11 +5,11 @@ use super::figures::Figures;
 use super::wakes;
 use bevy_color::Color;
 use bevy_ecs::prelude::*;
-use bevy_text::{FontSize, Justify, LineBreak, TextColor, TextFont, TextLayout};
+use bevy_text::{FontSize, TextColor, TextFont, TextLayout};
 use bevy_ui::widget::Text;
 use bevy_ui::{
-    AlignItems, BackgroundColor, BorderRadius, FlexDirection, GlobalZIndex, Node, Overflow,
-    PositionType, UiRect, Val,
+    AlignItems, BackgroundColor, BorderRadius, FlexDirection, GlobalZIndex, JustifyContent, Node,
+    Overflow, PositionType, UiRect, Val,
 };
 
 /// The entities of the panel.
@@ -22,6 +22,13 @@ pub(super) struct Nodes {
     wakes: Vec<[Entity; 2]>,
 }
 
+/// Where a text stands in its cell.
+#[derive(Clone, Copy)]
+enum Side {
+    Left,
+    Right,
+}
+
 /// A line with a bar.
 #[derive(Clone, Copy, Debug)]
 struct Row {
@@ -30,16 +37,16 @@ struct Row {
 }
 
 /// Widths of the columns, and heights of a line and of a bar, logical pixels.
-const NAMES: f32 = 112.0;
+const NAMES: f32 = 128.0;
 const BARS: f32 = 110.0;
-const TIMES: f32 = 108.0;
+const TIMES: f32 = 118.0;
 const AGO: f32 = 54.0;
 const LINE: f32 = 15.0;
 const BAR: f32 = 7.0;
 const WHOLE: f32 = NAMES + BARS + TIMES;
 
 const FONT: f32 = 12.0;
-const BACK: Color = Color::srgba(0.05, 0.06, 0.08, 0.86);
+const BACK: Color = Color::srgba(0.05, 0.06, 0.08, 0.92);
 const DIM: Color = Color::srgb(0.62, 0.67, 0.74);
 const BRIGHT: Color = Color::srgb(0.94, 0.95, 0.97);
 const TROUGH: Color = Color::srgba(1.0, 1.0, 1.0, 0.09);
@@ -49,24 +56,25 @@ const HARD: Color = Color::srgb(0.95, 0.72, 0.25);
 const LATE: Color = Color::srgb(0.93, 0.33, 0.27);
 
 /// The names of the counts, in the order of [`counts`].
-const COUNTS: [&str; 5] = ["bodies", "islands", "pairs", "joints", "memory"];
+const COUNTS: [&str; 7] = [
+    "bodies", "fixed", "islands", "pairs", "joints", "memory", "",
+];
 
 /// The counts as text.
 fn counts(figures: &Figures) -> [String; COUNTS.len()] {
     let f = figures;
     let [bodies, pairs, table] = f.memory.map(bytes);
     [
-        format!(
-            "{} awake, {} asleep, {} static, {} kinematic",
-            f.awake, f.asleep, f.fixed, f.kinematic
-        ),
+        format!("{} awake, {} asleep", f.awake, f.asleep),
+        format!("{} static, {} kinematic", f.fixed, f.kinematic),
         match f.islands {
             0 => "none awake".into(),
-            count => format!("{count} awake, the largest of {} bodies", f.largest),
+            count => format!("{count} awake, largest {}", f.largest),
         },
         format!("{} visited of {}", f.active_pairs, f.pairs),
         format!("{}", f.joints),
-        format!("bodies {bodies}, pairs {pairs}, table {table}"),
+        format!("bodies {bodies}, pairs {pairs}"),
+        format!("table {table}"),
     ]
 }
 
@@ -189,17 +197,17 @@ fn spawn(world: &mut World, panel: &PhysicsPanel, figures: &Figures) -> Nodes {
     gap(world, root);
     let counts = COUNTS.map(|name| {
         let line = line(world, root);
-        text(world, line, name, NAMES, DIM, Justify::Left);
-        text(world, line, "", BARS + TIMES, BRIGHT, Justify::Left)
+        text(world, line, name, NAMES, DIM, Side::Left);
+        text(world, line, "", BARS + TIMES, BRIGHT, Side::Left)
     });
     gap(world, root);
     let title = line(world, root);
-    text(world, title, "woke", WHOLE, DIM, Justify::Left);
+    text(world, title, "woke", WHOLE, DIM, Side::Left);
     let wakes = (0..wakes::LINES).map(|_| {
         let line = line(world, root);
         [
-            text(world, line, "", AGO, DIM, Justify::Left),
-            text(world, line, "", WHOLE - AGO, BRIGHT, Justify::Left),
+            text(world, line, "", AGO, DIM, Side::Left),
+            text(world, line, "", WHOLE - AGO, BRIGHT, Side::Left),
         ]
     });
     Nodes {
@@ -234,7 +242,7 @@ fn gap(world: &mut World, root: Entity) {
 /// A line with a name, a bar and a time.
 fn bar_row(world: &mut World, root: Entity, name: &str, color: Color, of_name: Color) -> Row {
     let line = line(world, root);
-    text(world, line, name, NAMES, of_name, Justify::Left);
+    text(world, line, name, NAMES, of_name, Side::Left);
     let size = |width| Node {
         width,
         height: Val::Px(BAR),
@@ -249,7 +257,7 @@ fn bar_row(world: &mut World, root: Entity, name: &str, color: Color, of_name: C
         ChildOf(trough),
     );
     let bar = world.spawn(bar).id();
-    let time = text(world, line, "", TIMES, BRIGHT, Justify::Right);
+    let time = text(world, line, "", TIMES, BRIGHT, Side::Right);
     Row { bar, time }
 }
 
@@ -260,16 +268,23 @@ fn text(
     text: &str,
     width: f32,
     color: Color,
-    justify: Justify,
+    side: Side,
 ) -> Entity {
-    let size = Node {
+    // Text that must not wrap is as wide as it is: the cell places and cuts it.
+    let cell = Node {
         width: Val::Px(width),
         height: Val::Px(LINE),
+        align_items: AlignItems::Center,
+        justify_content: match side {
+            Side::Left => JustifyContent::FlexStart,
+            Side::Right => JustifyContent::FlexEnd,
+        },
         overflow: Overflow::clip(),
         ..Default::default()
     };
+    let cell = world.spawn((cell, ChildOf(line))).id();
     let font = TextFont::from_font_size(FontSize::Px(FONT));
-    let layout = TextLayout::new(justify, LineBreak::NoWrap);
-    let text = (Text::new(text), font, layout, TextColor(color), size);
-    world.spawn((text, ChildOf(line))).id()
+    let layout = TextLayout::no_wrap();
+    let text = (Text::new(text), font, layout, TextColor(color));
+    world.spawn((text, ChildOf(cell))).id()
 }

@@ -4,7 +4,7 @@
 //! surface that stands still, and banners have no collider.
 //!
 //! ```sh
-//! # In a window. B: throws a ball.
+//! # In a window. B: throws a ball; F3: the panel of physics.
 //! cargo run --ignore-rust-version --manifest-path examples/builder/Cargo.toml --example scene
 //! # A picture, without a window or a display.
 //! cargo run --ignore-rust-version --manifest-path examples/builder/Cargo.toml --example scene -- --screenshot target/builder/scene.png
@@ -18,6 +18,7 @@ use bevy::prelude::*;
 use clap::Parser;
 use drystone::collider::MeshShape;
 use drystone::gizmos::{PhysicsGizmos, PhysicsGizmosPlugin};
+use drystone::panel::{PhysicsPanel, PhysicsPanelPlugin};
 use drystone::prelude::*;
 use drystone_builder::camera::{Eye, lens};
 use drystone_builder::pictures::Studio;
@@ -37,6 +38,9 @@ struct Arguments {
     /// Draws the colliders as lines.
     #[arg(long)]
     colliders: bool,
+    /// Shows the panel of physics from the beginning; in a picture, also a ball that is thrown.
+    #[arg(long)]
+    panel: bool,
 }
 
 /// The picture's size, pixels.
@@ -53,7 +57,13 @@ fn main() -> Result {
         return Ok(());
     }
     let add = |app: &mut App| {
-        app.add_plugins((DrystonePlugins::default(), PhysicsGizmosPlugin, ScenePlugin));
+        app.add_plugins((
+            DrystonePlugins::default(),
+            PhysicsGizmosPlugin,
+            PhysicsPanelPlugin,
+        ))
+        .add_plugins(ScenePlugin);
+        app.world_mut().resource_mut::<PhysicsPanel>().shown = arguments.panel;
         let mut config = app.world_mut().resource_mut::<GizmoConfigStore>();
         let (config, shown) = config.config_mut::<PhysicsGizmos>();
         config.enabled = arguments.colliders;
@@ -64,7 +74,7 @@ fn main() -> Result {
         };
     };
     if let Some(path) = &arguments.screenshot {
-        return picture(path, add);
+        return picture(path, add, arguments.panel);
     }
     let mut app = App::new();
     app.add_plugins(DefaultPlugins);
@@ -142,28 +152,44 @@ fn throw(
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
     if keys.just_pressed(KeyCode::KeyB) {
-        commands.spawn((
-            RigidBody::Dynamic,
-            Collider::ball(0.25),
-            Density(7800.0),
-            Velocity::linear(18.0 * eye.forward()),
-            Transform::from_translation(eye.translation),
-            Mesh3d(meshes.add(Sphere::new(0.25))),
-            MeshMaterial3d(materials.add(Color::srgb(0.2, 0.2, 0.22))),
+        commands.spawn(ball(
+            eye.translation,
+            18.0 * eye.forward(),
+            (&mut meshes, &mut materials),
         ));
     }
+}
+
+fn ball(
+    from: Vec3,
+    velocity: Vec3,
+    (meshes, materials): (&mut Assets<Mesh>, &mut Assets<StandardMaterial>),
+) -> impl Bundle {
+    (
+        Name::new("Ball"),
+        RigidBody::Dynamic,
+        Collider::ball(0.25),
+        Density(7800.0),
+        Velocity::linear(velocity),
+        Transform::from_translation(from),
+        Mesh3d(meshes.add(Sphere::new(0.25))),
+        MeshMaterial3d(materials.add(Color::srgb(0.2, 0.2, 0.22))),
+    )
 }
 
 /// How long the picture waits for the file and its colliders, and for what falls.
 const PATIENCE: Duration = Duration::from_secs(120);
 const FALL: usize = 180;
 
-fn picture(path: &PathBuf, add: impl FnOnce(&mut App)) -> Result {
+/// Frames from the throw to the picture.
+const FLIGHT: usize = 42;
+
+fn picture(path: &PathBuf, add: impl FnOnce(&mut App), throws: bool) -> Result {
     let frame = Duration::from_secs_f64(1.0 / 60.0);
     let mut studio = Studio::with(add, SIZE, frame);
     let world = studio.world_mut();
     let eye = world.query_filtered::<Entity, With<Eye>>().single(world)?;
-    world.entity_mut(eye).insert(view());
+    world.entity_mut(eye).insert((view(), IsDefaultUiCamera));
     world.init_resource::<Ready>();
     world.add_observer(|_: On<MeshCollidersReady>, mut ready: ResMut<Ready>| ready.0 = true);
     studio.hide(true);
@@ -175,6 +201,17 @@ fn picture(path: &PathBuf, add: impl FnOnce(&mut App)) -> Result {
         }
     }
     studio.go_on(FALL);
+    if throws {
+        studio.world_mut().run_system_cached(
+            |mut commands: Commands,
+             mut meshes: ResMut<Assets<Mesh>>,
+             mut materials: ResMut<Assets<StandardMaterial>>| {
+                let (from, velocity) = (Vec3::new(-1.6, 3.0, 9.0), Vec3::new(0.0, 1.6, -15.0));
+                commands.spawn(ball(from, velocity, (&mut meshes, &mut materials)));
+            },
+        )?;
+        studio.go_on(FLIGHT);
+    }
     studio.hide(false);
     studio.go_on(4);
     studio.picture()?.save(path)?;

@@ -184,9 +184,9 @@ fn note(widgets: &mut Widgets, name: &str, response: &egui::Response) {
 }
 
 /// Heights of the parts that change, logical pixels: a tool with its settings; the legend of the colours; what is known of a piece.
-const TOOL_HEIGHT: f32 = 96.0;
+const TOOL_HEIGHT: f32 = 80.0;
 const LEGEND_HEIGHT: f32 = 28.0;
-const PIECE_HEIGHT: f32 = 96.0;
+const PIECE_HEIGHT: f32 = 72.0;
 
 fn tools(ui: &mut egui::Ui, set: &mut Set) {
     heading(ui, "Tools");
@@ -291,13 +291,11 @@ fn time(ui: &mut egui::Ui, commands: &mut Commands, set: &mut Set, comparison: &
         true => "One scene again",
         false => "60 and 10 Hz side by side",
     };
-    if ui.button(text).clicked() {
+    let response = ui.button(text);
+    if response.clicked() {
         attempt(commands, crate::compare::toggle);
     }
-    ui.small(match comparison.is_on() {
-        true => "left 60 Hz, right 10 Hz; balls go into both",
-        false => "",
-    });
+    response.on_hover_text("left 60 Hz, right 10 Hz; balls go into both");
 }
 
 fn overlays(ui: &mut egui::Ui, set: &mut Set, known: &Known) {

@@ -2,72 +2,67 @@
 
 use super::error::{MeshColliderError, MeshProblem};
 use super::resolve::{Decision, name_of, resolve};
-use super::shapes::{Decompositions, Shapes};
+use super::shapes::Shapes;
 use super::{MeshCollidersReady, WaitingMeshes};
 use crate::body::collider::{Collider, MeshShape};
 use bevy_asset::{AssetServer, Assets, LoadState};
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use bevy_mesh::{Mesh, Mesh3d};
-use std::collections::HashMap;
 use std::mem;
 
-/// Makes colliders from all meshes that are loaded and at or below a [`MeshColliders`](super::MeshColliders). The plugin runs it in
-/// `PreUpdate`; an exclusive system may call it at any time.
+/// Makes colliders from the meshes at and below each [`MeshColliders`](super::MeshColliders) of which none is waited for: those of a scene
+/// come all at once. The plugin runs it in `PreUpdate`; an exclusive system may call it at any time.
 pub fn make_mesh_colliders(world: &mut World) {
     let Some(mut waiting) = world.get_resource_mut::<WaitingMeshes>() else {
         return;
     };
     let mut waiting = mem::take(&mut *waiting);
     waiting.look(world);
-    let mut shapes = Shapes {
-        made: HashMap::new(),
-        decompositions: &mut waiting.decompositions,
-    };
-    // The roots that are not ready.
-    let mut held_up = Vec::new();
+    let mut answers = Vec::new();
     for entity in mem::take(&mut waiting.meshes) {
-        let Some(decision) = undecided(world, entity) else {
-            continue;
-        };
+        if let Some(decision) = undecided(world, entity) {
+            let answer = shape(world, entity, &decision, &mut waiting.shapes);
+            answers.push((entity, decision, answer));
+        }
+    }
+    let waits = answers
+        .iter()
+        .filter(|(_, _, answer)| matches!(answer, Answer::Wait));
+    let held_up: EntityHashSet = waits.map(|(_, decision, _)| decision.root).collect();
+    let mut ready: Vec<MeshCollidersReady> = Vec::new();
+    for (entity, decision, answer) in answers {
         let root = decision.root;
-        let made = match shape(world, entity, &decision, &mut shapes) {
-            Answer::Wait => {
-                waiting.meshes.push(entity);
-                held_up.push(root);
-                continue;
-            }
-            Answer::Nothing => None,
-            Answer::Error(problem) => {
-                report(world, entity, problem);
-                None
-            }
+        if held_up.contains(&root) {
+            waiting.meshes.push(entity);
+            continue;
+        }
+        let known = ready.iter().position(|of| of.root == root);
+        let known = known.unwrap_or_else(|| {
+            let colliders = Vec::new();
+            ready.push(MeshCollidersReady { root, colliders });
+            ready.len() - 1
+        });
+        match answer {
+            Answer::Wait | Answer::Nothing => (),
+            Answer::Error(problem) => report(world, entity, problem),
             Answer::Collider(collider) => {
                 decision.extras.insert(world, entity, collider);
-                Some(entity)
+                ready[known].colliders.push(entity);
             }
-        };
-        let known = waiting.unready.iter().position(|(of, _)| *of == root);
-        let known = known.unwrap_or_else(|| {
-            waiting.unready.push((root, Vec::new()));
-            waiting.unready.len() - 1
-        });
-        waiting.unready[known].1.extend(made);
+        }
     }
     if waiting.meshes.is_empty() {
-        // Nobody is left to take their results.
-        waiting.decompositions = Decompositions::default();
+        waiting.shapes = Shapes::default();
     }
-    let done = |(root, _): &mut (Entity, Vec<Entity>)| !held_up.contains(root);
-    let ready: Vec<_> = waiting.unready.extract_if(.., done).collect();
     // Observers of what was inserted may have added some.
     let mut added = mem::replace(&mut *world.resource_mut::<WaitingMeshes>(), waiting);
     world
         .resource_mut::<WaitingMeshes>()
         .new
         .append(&mut added.new);
-    for (root, colliders) in ready {
-        if world.get_entity(root).is_ok() {
-            let ready = MeshCollidersReady { root, colliders };
+    for ready in ready {
+        if world.get_entity(ready.root).is_ok() {
             world.write_message(ready.clone());
             world.trigger(ready);
         }

@@ -1,7 +1,8 @@
 //! Colliders from the meshes of scenes (feature `mesh`).
 //!
 //! Put [`MeshColliders`] on an entity, for example on the root of a glTF scene. Its mesh and the meshes of all entities below it become
-//! colliders, as soon as they are loaded. Entities that come below it later are found too.
+//! colliders, as soon as all of them are loaded: they come at once, so that nothing falls through what is not there yet. Entities that come
+//! below it later are found too.
 //!
 //! ```
 //! use bevy_app::App;

@@ -6,23 +6,17 @@ use bevy_mesh::Mesh;
 use bevy_tasks::{AsyncComputeTaskPool, Task, block_on};
 use std::collections::HashMap;
 
-/// Decompositions that are being computed.
+/// The shapes that were made, or are being computed, while meshes wait.
 #[derive(Debug, Default)]
-pub(super) struct Decompositions(
-    Vec<(
-        AssetId<Mesh>,
-        MeshShape,
-        Task<Result<Collider, ColliderError>>,
-    )>,
-);
+pub(super) struct Shapes(HashMap<AssetId<Mesh>, Vec<(MeshShape, Progress)>>);
 
-/// The shapes that were made in one run of the system.
-pub(super) struct Shapes<'a> {
-    pub(super) made: HashMap<AssetId<Mesh>, Vec<(MeshShape, Result<Collider, ColliderError>)>>,
-    pub(super) decompositions: &'a mut Decompositions,
+#[derive(Debug)]
+enum Progress {
+    Computed(Task<Result<Collider, ColliderError>>),
+    Made(Result<Collider, ColliderError>),
 }
 
-impl Shapes<'_> {
+impl Shapes {
     /// The collider of a mesh, or `None` while it is being computed.
     pub(super) fn get(
         &mut self,
@@ -30,42 +24,36 @@ impl Shapes<'_> {
         mesh: &Mesh,
         shape: MeshShape,
     ) -> Option<Result<Collider, ColliderError>> {
-        let made = self.made.entry(id).or_default();
-        if let Some((_, known)) = made.iter().find(|(of, _)| *of == shape) {
-            return Some(known.clone());
+        let all = self.0.entry(id).or_default();
+        let known = all.iter().position(|(of, _)| *of == shape);
+        let known = known.unwrap_or_else(|| {
+            all.push((shape, begin(mesh, shape)));
+            all.len() - 1
+        });
+        let progress = &mut all[known].1;
+        if let Progress::Computed(task) = progress {
+            if !task.is_finished() {
+                return None;
+            }
+            *progress = Progress::Made(block_on(task));
         }
-        let collider = match shape {
-            MeshShape::Decomposition(_) => self.decompositions.poll(id, mesh, shape)?,
-            _ => Collider::from_mesh(mesh, shape),
-        };
-        made.push((shape, collider.clone()));
-        Some(collider)
+        match progress {
+            Progress::Made(collider) => Some(collider.clone()),
+            Progress::Computed(_) => None,
+        }
     }
 }
 
-impl Decompositions {
-    /// The result if it is there. Begins to compute it if nobody has.
-    fn poll(
-        &mut self,
-        id: AssetId<Mesh>,
-        mesh: &Mesh,
-        shape: MeshShape,
-    ) -> Option<Result<Collider, ColliderError>> {
-        let jobs = &mut self.0;
-        let known = jobs
-            .iter()
-            .position(|(of, known, _)| (*of, *known) == (id, shape));
-        let Some(known) = known else {
-            let (vertices, triangles) = match mesh_triangles(mesh) {
-                Ok(mesh) => mesh,
-                Err(error) => return Some(Err(error)),
-            };
+fn begin(mesh: &Mesh, shape: MeshShape) -> Progress {
+    let MeshShape::Decomposition(_) = shape else {
+        return Progress::Made(Collider::from_mesh(mesh, shape));
+    };
+    match mesh_triangles(mesh) {
+        Ok((vertices, triangles)) => {
             let work = async move { Collider::of_triangles(vertices, triangles, shape) };
             let pool = AsyncComputeTaskPool::get_or_init(Default::default);
-            jobs.push((id, shape, pool.spawn(work)));
-            return None;
-        };
-        let is_done = jobs[known].2.is_finished();
-        is_done.then(|| block_on(jobs.swap_remove(known).2))
+            Progress::Computed(pool.spawn(work))
+        }
+        Err(error) => Progress::Made(Err(error)),
     }
 }

@@ -1,7 +1,7 @@
 //! Which meshes may still become colliders. Observers note entities; nothing is searched while nothing is spawned.
 
 use super::MeshColliders;
-use super::shapes::Decompositions;
+use super::shapes::Shapes;
 use bevy_ecs::component::Components;
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::hierarchy::{ChildOf, Children};
@@ -15,12 +15,10 @@ use bevy_mesh::Mesh3d;
 pub struct WaitingMeshes {
     /// Entities at and below which there may be meshes that nobody has looked at.
     pub(super) new: Vec<Entity>,
-    /// Entities whose mesh is not loaded, or whose shape is being computed, in the order in which they came.
+    /// Entities below a root of which some mesh is not loaded, or its shape is being computed, in the order in which they came.
     pub(super) meshes: Vec<Entity>,
-    /// Shapes that are being computed.
-    pub(super) decompositions: Decompositions,
-    /// For roots of which some meshes have been handled and others wait: the colliders so far.
-    pub(super) unready: Vec<(Entity, Vec<Entity>)>,
+    /// The shapes of these meshes.
+    pub(super) shapes: Shapes,
 }
 
 impl WaitingMeshes {

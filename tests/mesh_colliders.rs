@@ -568,3 +568,30 @@ fn invalid_extras_are_errors_that_say_what_is_right() {
         assert!(error.contains(why), "{error}");
     }
 }
+
+/// While time stands still, queries find new colliders in the frame in which they are made.
+#[test]
+fn a_paused_game_finds_them_in_the_same_frame() {
+    fn height(query: SpatialQuery) -> Option<f32> {
+        let down = Ray3d::new(Vec3::Y * 9.0, Dir3::NEG_Y);
+        let hit = query.cast_ray(down, 20.0, &QueryFilter::default());
+        hit.unwrap().map(|hit| hit.point.y)
+    }
+    let mut app = app();
+    app.world_mut().resource_mut::<PhysicsTime>().pause();
+    let mesh = cube(&mut app);
+    app.world_mut().spawn((MeshColliders::default(), mesh));
+    app.update();
+    assert_eq!(
+        app.world_mut().run_system_cached(height).unwrap(),
+        Some(0.5)
+    );
+    let place = Transform::from_xyz(0.0, 2.0, 0.0);
+    app.world_mut()
+        .spawn((RigidBody::Dynamic, Collider::default(), place));
+    app.update();
+    assert_eq!(
+        app.world_mut().run_system_cached(height).unwrap(),
+        Some(2.5)
+    );
+}

@@ -62,12 +62,12 @@
 //! | join | [`joint`]: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break |
 //! | ask | the questions below; [`caster`]: rays and shapes of entities |
 //! | react | [`sensor`]: who is inside; [`contact`]: events of hits and forces; [`collapse`]: structures that fail |
-//! | see | the features `gizmos` and `picking`; [`profile`] and the feature `diagnostics` for times |
+//! | see | the features `gizmos`, `picking` and `ui`, a panel; [`profile`] and the feature `diagnostics` for times |
 //! | save | [`saving`], with the feature `scenes` or `serde` |
 //! | stream | [`streaming`]: regions of a large world are taken out, and put back as they stood |
 //! | tune | [`settings`]: gravity, pause and slow motion, solver, sleep, threads; [hooks](contact::ContactHooks) |
 //!
-//! The feature `mesh` makes colliders from meshes. All features are off by default.
+//! The feature `mesh` makes colliders from meshes, and from all meshes of a scene. All features are off by default.
 //!
 //! # Questions about the world
 //!
@@ -165,9 +165,13 @@ pub mod joint;
 mod joint_types;
 pub mod limits;
 pub mod masonry;
+#[cfg(feature = "mesh")]
+pub mod mesh_colliders;
 pub mod mortar;
 pub mod narrowphase;
 mod pair;
+#[cfg(feature = "ui")]
+pub mod panel;
 #[cfg(feature = "picking")]
 pub mod picking;
 mod plugin;
@@ -236,6 +240,8 @@ pub mod prelude {
         JointFrame, JointLimits, JointMotor, Joints, QuarantinedJoint,
     };
     pub use crate::joint_types::types::*;
+    #[cfg(feature = "mesh")]
+    pub use crate::mesh_colliders::{MeshColliderError, MeshColliders, MeshCollidersReady};
     pub use crate::mortar::{Mortar, MortarBroke, MortarFailure, MortarJoint, Studs};
     pub use crate::preview::{
         Edit, Moved, Preview, PreviewError, PreviewSettings, Previews, Shadow, preview,

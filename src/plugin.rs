@@ -13,7 +13,7 @@ use crate::contact::{self, ContactEnded, ContactForce, ContactStarted, Untrigger
 use crate::diagnosis::{BodyError, FoundProblems, ReportedProblems, StepError};
 use crate::fluid::FluidPlugin;
 use crate::fracture::FracturePlugin;
-use crate::graph::{self, ConstraintGraph, Islands};
+use crate::graph::{self, ConstraintGraph, Islands, Wakes};
 use crate::joint::{BrokenJoints, JointBroke};
 use crate::joint_types::{self, JointChanges, JointError, Mortar, Studs};
 use crate::mortar::{self, BrokenMortar, MortarBroke};
@@ -81,7 +81,7 @@ impl Default for DrystonePlugins {
 
 impl PluginGroup for DrystonePlugins {
     fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>()
+        let group = PluginGroupBuilder::start::<Self>()
             .add(StepPlugin { label: self.label })
             .add(BodyPlugin)
             .add(CollisionPlugin)
@@ -99,7 +99,10 @@ impl PluginGroup for DrystonePlugins {
             .add(FluidPlugin)
             .add(FracturePlugin)
             .add(CasterPlugin)
-            .add(VoxelPlugin)
+            .add(VoxelPlugin);
+        #[cfg(feature = "mesh")]
+        let group = group.add(crate::mesh_colliders::MeshColliderPlugin);
+        group
     }
 }
 
@@ -138,6 +141,7 @@ impl Plugin for StepPlugin {
         init::<Broadphase>(world);
         init::<ConstraintGraph>(world);
         init::<Islands>(world);
+        init::<Wakes>(world);
         init::<IslandProblems>(world);
         init::<SolveReports>(world);
         init::<LostPairs>(world);
@@ -512,6 +516,11 @@ pub struct RefreshSystems;
 
 impl Plugin for RefreshPlugin {
     fn build(&self, app: &mut App) {
+        #[cfg(feature = "mesh")]
+        app.configure_sets(
+            PreUpdate,
+            RefreshSystems.after(crate::mesh_colliders::MeshColliderSystems),
+        );
         app.init_schedule(RefreshSchedule)
             .add_systems(
                 RefreshSchedule,

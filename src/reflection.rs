@@ -48,4 +48,8 @@ pub(crate) fn register(app: &mut App) {
     register!(app, SensorEntered, SensorExited);
     register!(app, JointBroke, JointError, MortarBroke);
     register!(app, Collapse, CollapseEnded, Fractured);
+    #[cfg(feature = "mesh")]
+    register!(app, crate::mesh_colliders::MeshColliders);
+    #[cfg(feature = "mesh")]
+    register!(app, crate::mesh_colliders::MeshCollidersReady);
 }

@@ -1,5 +1,7 @@
 //! The game: its app, its clock, the order of its parts, and what is measured.
 
+#[cfg(feature = "ui")]
+use crate::panel;
 use crate::{castle, drawbridge, guard, hill, keeper, lift, moat, raiders, save, trebuchet};
 use bevy_app::App;
 use bevy_ecs::message::{Message, Messages};
@@ -70,6 +72,9 @@ pub struct Game {
     pub faults: Vec<String>,
     keeper: keeper::Keeper,
     times: Vec<Duration>,
+    /// Times of the frames, in which the panel is shown.
+    #[cfg(feature = "ui")]
+    panel_times: Vec<Duration>,
     bytes: usize,
 }
 
@@ -77,6 +82,8 @@ pub struct Game {
 fn app() -> App {
     let mut app = App::new();
     app.add_plugins((DrystonePlugins::default(), CollapsePlugin));
+    #[cfg(feature = "ui")]
+    panel::add(&mut app);
     app.init_resource::<Tally>()
         .init_resource::<Clock>()
         .init_resource::<castle::Broken>()
@@ -103,6 +110,8 @@ impl Game {
             faults: Vec::new(),
             keeper: keeper::Keeper::default(),
             times: Vec::new(),
+            #[cfg(feature = "ui")]
+            panel_times: Vec::new(),
             bytes: 0,
         }
     }
@@ -124,6 +133,8 @@ impl Game {
             self.faults.push(error.to_string());
         }
         self.times.push(start.elapsed());
+        #[cfg(feature = "ui")]
+        self.panel_times.push(panel::frame(world));
         drain::<BodyError>(world, &mut self.faults);
         drain::<JointError>(world, &mut self.faults);
         let bonds = count::<MortarBroke>(world);
@@ -208,6 +219,11 @@ impl Game {
             let value = quantile(share).copied().unwrap_or_default();
             line(&format!("a step, ms: {name}"), &format!("{value:.2}"));
         }
+        #[cfg(feature = "ui")]
+        line(
+            "the panel, ms a frame: mean",
+            &panel::mean(&self.panel_times),
+        );
         line("faults", &self.faults.len());
         for fault in self.faults.iter().take(20) {
             line("", fault);

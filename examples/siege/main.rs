@@ -14,6 +14,8 @@ mod hill;
 mod keeper;
 mod lift;
 mod moat;
+#[cfg(feature = "ui")]
+mod panel;
 mod raiders;
 mod save;
 mod trebuchet;

@@ -66,7 +66,7 @@ pub fn step(world: &mut World, clock: Clock) {
         .map(|(barrel, _)| barrel)
         .collect();
     let mut basins = world.query_filtered::<&SensorOverlaps, With<Basin>>();
-    let inside = |barrel: &Entity| basins.iter(world).any(|basin| basin.contains(*barrel));
+    let mut inside = |barrel: &Entity| basins.iter(world).any(|basin| basin.contains(*barrel));
     let afloat = found.iter().filter(|barrel| inside(barrel)).count();
     world.resource_mut::<Tally>().afloat = afloat as u32;
 }

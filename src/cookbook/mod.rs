@@ -36,6 +36,7 @@
 //! | [`fracture`] | Things that break into pieces |
 //! | [`voxels`] | A hill that is dug |
 //! | [`explosion`] | An explosion |
+//! | [`scenes`] | Colliders of a scene from Blender |
 //! | [`compound`] | A body of several colliders |
 //! | [`children`] | Bodies under bodies |
 //! | [`drawbridge`] | A drawbridge on two chains |
@@ -156,6 +157,9 @@ pub mod drag {}
 #[doc = include_str!("playing/stairs.md")]
 #[doc = include_str!("pictures/stairs.svg")]
 pub mod stairs {}
+
+#[doc = include_str!("building/scenes.md")]
+pub mod scenes {}
 
 #[doc = include_str!("playing/trigger_zone.md")]
 pub mod trigger_zone {}

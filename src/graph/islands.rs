@@ -11,7 +11,7 @@ use super::forces::Forces;
 use super::levels::{Kind, Levels};
 use super::partition::Partition;
 use super::sleeping::Drifts;
-use super::waking::{Accounts, Need, Sleepers};
+use super::waking::{Accounts, Need, Sleepers, Wakes};
 use crate::body::{BodyState, BodyTable, SpawnOrder, cover, written_rows};
 use crate::joint_types::JointEdge;
 use crate::pair::{LostPairs, PairsRef, Part};
@@ -299,7 +299,7 @@ const FOLLOWING_PERIOD: f32 = 0.25;
 /// First part of the stage: updates links and islands, wakes bodies, and finds the bodies and pairs that become inactive.
 pub fn islands(
     mut table: ResMut<BodyTable>,
-    (mut graph, mut islands): (ResMut<ConstraintGraph>, ResMut<Islands>),
+    (mut graph, mut islands, mut wakes): (ResMut<ConstraintGraph>, ResMut<Islands>, ResMut<Wakes>),
     (lost, mut restored): (Res<LostPairs>, ResMut<Restored>),
     (pairs, forces): (PairsRef, Forces),
     (time, settings, gravity): (Res<StepTime>, Res<SleepSettings>, Res<Gravity>),
@@ -307,6 +307,7 @@ pub fn islands(
 ) {
     let (graph, islands) = (&mut *graph, &mut *islands);
     islands.begin();
+    wakes.begin_run();
     graph.forget(&lost);
     let edited = edited(graph, &pairs, places);
     graph.report(edited);
@@ -340,8 +341,11 @@ pub fn islands(
             dt: time.dt,
         };
         let rising = islands.find_rising(&need, settings.waking);
-        islands.wake(&mut table, rising, &mut sleepers);
-        islands.find_loading(graph, &mut table, &mut sleepers, &restored);
+        wakes.record(&table, &rising);
+        islands.wake(&mut table, &rising, &mut sleepers);
+        let rising = islands.find_loading(graph, &mut table, &restored);
+        wakes.record(&table, &rising);
+        islands.wake(&mut table, &rising, &mut sleepers);
         islands.find_deactivation(&table);
         // In most steps nothing has changed since the update above, which compares all active bodies.
         if islands.woke || !islands.loading.is_empty() {

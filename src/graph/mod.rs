@@ -48,3 +48,4 @@ pub(crate) use parts::Parts;
 pub(crate) use room::with_room;
 pub(crate) use sleeping::Drift;
 pub use sleeping::sleeping;
+pub use waking::{Wake, WakeReason, Wakes};

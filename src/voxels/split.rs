@@ -236,8 +236,8 @@ mod tests {
         assert_eq!(cut(&mut voxels, post, None), [3]);
         assert_eq!(cut(&mut voxels, post, Some(0)), [2 + 121]);
         voxels.set_box(IVec3::new(4, 0, 4), IVec3::new(5, 6, 5), true);
-        assert_eq!(cut(&mut voxels, post, Some(0)), []);
-        assert_eq!(cut(&mut voxels, IVec3::new(0, 0, 0), Some(0)), []);
+        assert!(cut(&mut voxels, post, Some(0)).is_empty());
+        assert!(cut(&mut voxels, IVec3::new(0, 0, 0), Some(0)).is_empty());
     }
 
     /// A cell from a large solid is no reason to visit all of it.

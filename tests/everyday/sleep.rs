@@ -3,6 +3,7 @@
 use super::*;
 use std::f32::consts::PI;
 
+mod reasons;
 mod wakes;
 
 fn is_asleep(world: &World, body: Entity) -> bool {

@@ -10,13 +10,25 @@ use drystone::state::Visitor;
 use std::fmt::Debug;
 
 /// Types that are neither registered nor on the list of the state, and why.
-const INTERNAL: [(&str, &str); 6] = [
+const INTERNAL: [(&str, &str); 12] = [
     ("PhysicsThreads", "threads"),
     ("Profile", "clocks"),
     ("EditLog", "belongs to one world"),
     ("Recorder", "a file and what it watches; no state"),
     ("WrittenTransforms", "hidden; empty between steps"),
     ("StepMessages", "private; a list of functions"),
+    ("Wakes", "a report; no state"),
+    ("WaitingMeshes", "hidden; empty when all meshes are loaded"),
+    (
+        "MeshColliders",
+        "with the feature `mesh`; `mesh_colliders` tests it",
+    ),
+    ("MeshCollidersReady", "with the feature `mesh`"),
+    ("MeshColliderError", "a message for people"),
+    (
+        "PhysicsPanel",
+        "with the feature `ui`; the place of a window",
+    ),
 ];
 
 fn app() -> App {

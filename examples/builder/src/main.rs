@@ -1,5 +1,6 @@
 //! A wall that one builds with the mouse. See the README beside.
 
+use bevy::log::{DEFAULT_FILTER, LogPlugin};
 use bevy::prelude::*;
 use bevy::winit::WinitSettings;
 use clap::Parser;
@@ -107,10 +108,18 @@ fn main() -> Result {
         ..default()
     };
     let mut app = App::new();
-    app.add_plugins(DefaultPlugins.set(WindowPlugin {
-        primary_window: Some(window),
-        ..default()
-    }))
+    app.add_plugins(
+        DefaultPlugins
+            .set(WindowPlugin {
+                primary_window: Some(window),
+                ..default()
+            })
+            // The renderer's commands for the frame in which the window is closed are dropped; it would warn of each.
+            .set(LogPlugin {
+                filter: format!("{DEFAULT_FILTER}bevy_ecs::world::command_queue=error"),
+                ..default()
+            }),
+    )
     .add_plugins((BuilderPlugin, PanelPlugin))
     .insert_resource(WinitSettings::continuous())
     .insert_resource(arguments.scene)

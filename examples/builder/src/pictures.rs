@@ -53,6 +53,14 @@ pub struct Studio {
 impl Studio {
     /// A scene in an image of so many pixels; each frame takes so long.
     pub fn new(scene: Scene, size: [u32; 2], frame: Duration) -> Self {
+        let add = |app: &mut App| {
+            app.add_plugins(BuilderPlugin).insert_resource(scene);
+        };
+        Self::with(add, size, frame)
+    }
+
+    /// Other plugins in an image of so many pixels; each frame takes so long.
+    pub fn with(add: impl FnOnce(&mut App), size: [u32; 2], frame: Duration) -> Self {
         let mut app = App::new();
         let window = WindowPlugin {
             primary_window: None,
@@ -70,9 +78,8 @@ impl Studio {
                 .disable::<WinitPlugin>(),
         )
         .add_plugins(ScheduleRunnerPlugin::run_once())
-        .add_plugins(BuilderPlugin)
-        .insert_resource(TimeUpdateStrategy::ManualDuration(frame))
-        .insert_resource(scene);
+        .insert_resource(TimeUpdateStrategy::ManualDuration(frame));
+        add(&mut app);
         let mut images = app.world_mut().resource_mut::<Assets<Image>>();
         let format = TextureFormat::Rgba8UnormSrgb;
         let mut image = Image::new_target_texture(size[0], size[1], format, None);

@@ -112,6 +112,8 @@ impl Piece {
             self.shape.collider()?,
             Density(self.finish.density()),
             to_transform(pose),
+            // A step would write it. While time stands still the tools need it before the next one.
+            pose,
             TransformInterpolation,
             // Asked for by the overlays and the banner.
             (Load::default(), Watch::default()),

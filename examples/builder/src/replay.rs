@@ -221,7 +221,7 @@ fn advance(world: &mut World) {
 }
 
 /// The keys of the time line, and what they do.
-pub const KEYS: &str = "Space: play or stop · ←, →: a step · Home, End";
+pub const KEYS: &str = "Space: play or stop · left, right: a step · Home, End";
 
 fn keys(keys: Res<ButtonInput<KeyCode>>, mut timeline: ResMut<Timeline>) {
     for key in keys.get_just_pressed() {

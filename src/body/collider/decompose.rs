@@ -1,11 +1,18 @@
 //! Convex decomposition: a mesh with hollows as a compound of convex hulls, for dynamic bodies.
 
 use super::{Collider, ColliderError};
+#[cfg(feature = "bevy_reflect")]
+use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{Quat, Vec3};
 use parry3d::transformation::vhacd::{VHACD, VHACDParameters};
 
 /// How finely [`Collider::convex_decomposition`] divides a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy_reflect",
+    derive(Reflect),
+    reflect(Debug, Default, PartialEq)
+)]
 pub struct DecompositionSettings {
     /// Number of voxels along the longest side of the mesh. Default: 64. The time grows with its cube.
     pub resolution: u32,

@@ -7,6 +7,8 @@ mod decompose;
 mod description;
 mod exceptions;
 mod first_touch;
+#[cfg(feature = "mesh")]
+mod fit;
 mod layer_mask;
 mod layers;
 mod material;

@@ -11,9 +11,12 @@
 mod account;
 mod need;
 mod rising;
+mod why;
 
 pub(in crate::graph) use account::Accounts;
 pub(in crate::graph) use need::{Need, Sleepers};
+pub(in crate::graph) use rising::Rising;
+pub use why::{Wake, WakeReason, Wakes};
 
 use crate::body::{BodyState, BodyTable, Velocity};
 use crate::graph::islands::{Islands, is_among};
@@ -23,20 +26,28 @@ use crate::settings::Waking;
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
-use rising::Rising;
+use why::Cause;
 
 impl Islands {
     /// Finds the sleeping bodies that wake in this step, and keeps the accounts of those that go on sleeping beside awake bodies.
-    pub(in crate::graph) fn find_rising(&mut self, need: &Need, waking: Waking) -> Vec<u32> {
+    pub(in crate::graph) fn find_rising(&mut self, need: &Need, waking: Waking) -> Rising {
         let mut rising = Rising::default();
         if self.sleepers == 0 {
-            return rising.slots;
+            return rising;
         }
         let &Need { graph, table, .. } = need;
         let world = (graph, table);
+        let parted: FixedBitSet = self.parted.iter().map(|&slot| slot as usize).collect();
         for (slot, _) in table.active().filter(|(_, body)| body.disturbed) {
+            // A body beside one that was removed is disturbed too.
+            let reason = match parted.contains(slot as usize) {
+                true => WakeReason::LostContact,
+                false => WakeReason::Edited,
+            };
+            rising.cause = Cause::new(reason, None);
             rising.add(table, slot);
         }
+        rising.cause = Cause::new(WakeReason::LostContact, None);
         for &slot in &self.parted {
             rising.add(table, slot);
         }
@@ -45,15 +56,21 @@ impl Islands {
         self.find_boundary(world);
         match waking {
             Waking::Islands => {
-                let boundary = self.boundary.iter();
-                boundary.for_each(|&slot| rising.add(table, slot));
+                for &slot in &self.boundary {
+                    let awake = |&other: &u32| table.get(other).is_some_and(BodyState::is_awake);
+                    let by = graph.neighbours(slot).find(awake);
+                    rising.cause = Cause::new(WakeReason::Touched, by);
+                    rising.add(table, slot);
+                }
                 rising.flood(world, 0, |_| true);
             }
             Waking::ByNeed { share } => {
                 for i in 0..own {
+                    rising.cause = rising.causes[i];
                     need.wake_pushed(rising.slots[i], &mut rising);
                 }
                 for &slot in &self.parted {
+                    rising.cause = Cause::new(WakeReason::LostContact, slot);
                     need.wake_bereft(slot, share, &self.accounts, &mut rising);
                 }
                 need.wake_touched(&self.boundary, share, &mut self.accounts, &mut rising);
@@ -64,13 +81,14 @@ impl Islands {
                 };
                 if self.unfollowed >= need.interval && !self.boundary.is_empty() {
                     self.unfollowed = 0.0;
+                    rising.cause = Cause::new(WakeReason::LoadChanged, None);
                     need.wake_unsteady(&self.boundary, &self.accounts, share, &mut rising);
                 }
                 rising.flood(world, 0, |link| link.kind == EdgeKind::Joint);
                 need.open(&rising, &mut self.accounts);
             }
         }
-        rising.slots
+        rising
     }
 
     /// Finds the sleeping bodies that are connected with a static or kinematic body that moves or was changed, or with a body whose kind
@@ -90,6 +108,7 @@ impl Islands {
             // A new hook may let bodies touch that overlapped before.
             let edges = graph.edges_at(slot);
             let edges = edges.filter(|(_, links)| *links || is_hooked);
+            rising.cause = Cause::new(WakeReason::GroundChanged, slot);
             for (link, _) in edges {
                 let above = link.other(slot);
                 // A body that is added together with its ground may stay asleep on it.
@@ -103,6 +122,7 @@ impl Islands {
                 }
             }
         }
+        rising.cause = Cause::new(WakeReason::GroundChanged, None);
         let changed = self.changed_kind.iter();
         let beside = changed.flat_map(|&slot| graph.neighbours(slot));
         beside.for_each(|slot| rising.add(table, slot));
@@ -111,6 +131,7 @@ impl Islands {
         let beside = members.flat_map(|&slot| graph.neighbours(slot));
         beside.for_each(|slot| rising.add(table, slot));
         rising.flood(world, first, |_| true);
+        rising.cause = Cause::default();
     }
 
     /// The sleeping bodies that awake ones touched at the beginning of the step, by slot, in no defined order.
@@ -176,11 +197,11 @@ impl Islands {
     pub(in crate::graph) fn wake(
         &mut self,
         table: &mut BodyTable,
-        rising: Vec<u32>,
+        rising: &Rising,
         sleepers: &mut Sleepers,
     ) {
-        self.woke |= !rising.is_empty();
-        for slot in rising {
+        self.woke |= !rising.slots.is_empty();
+        for &slot in &rising.slots {
             table.mark_dirty(slot);
             let body = table.get_mut(slot).expect("it was just seen");
             body.asleep = false;
@@ -198,15 +219,15 @@ impl Islands {
 
     /// Finds the bodies that were added asleep, with the sleeping bodies that are connected with them: these share the new load, and get
     /// static loads in this step without waking. If they touch awake bodies, those that were added wake instead; bodies of a saved scene
-    /// have slept beside awake ones, and go on sleeping.
+    /// have slept beside awake ones, and go on sleeping. Returns those that wake.
     pub(in crate::graph) fn find_loading(
         &mut self,
         graph: &ConstraintGraph,
         table: &mut BodyTable,
-        sleepers: &mut Sleepers,
         restored: &RestoredAccounts,
-    ) {
-        let mut wakes = Vec::new();
+    ) -> Rising {
+        let mut rising = Rising::default();
+        rising.cause = Cause::new(WakeReason::Added, None);
         let arriving = table.active().filter(|(_, body)| arrives(body));
         let arriving: Vec<u32> = arriving.map(|(slot, _)| slot).collect();
         let mut found = Rising::default();
@@ -221,7 +242,8 @@ impl Islands {
             if connected.iter().any(touches_awake) {
                 let is_new =
                     |body: &BodyState| arrives(body) && !restored.contains_key(&body.entity);
-                wakes.extend(slots.filter(|&slot| table.get(slot).is_some_and(is_new)));
+                let new = slots.filter(|&slot| table.get(slot).is_some_and(is_new));
+                new.for_each(|slot| rising.add(table, slot));
             } else {
                 self.loading.extend(slots);
             }
@@ -231,7 +253,7 @@ impl Islands {
         for &slot in &self.loading {
             table.mark_dirty(slot);
         }
-        self.wake(table, wakes, sleepers);
+        rising
     }
 
     /// Finds the bodies that may become inactive: sleeping bodies, and static and kinematic bodies that do not move.

@@ -20,6 +20,7 @@
 
 use super::account::Accounts;
 use super::rising::Rising;
+use super::why::{Cause, WakeReason};
 use crate::body::{BodyState, BodyTable, ExternalImpulse, Sleeping};
 use crate::graph::edges::{EdgeKind, Link};
 use crate::graph::{ConstraintGraph, forces::Forces};
@@ -174,26 +175,40 @@ impl Need<'_, '_, '_> {
                 continue;
             };
             let mut hit = 0.0_f32;
+            let (mut hit_by, mut touched_by) = (None, None);
             for link in self.graph.links_of(slot) {
                 let other = self.table.get(link.other(slot));
                 let Some(other) = other.filter(|other| other.is_awake()) else {
                     continue;
                 };
+                let by = link.other(slot);
                 match link.kind {
-                    EdgeKind::Joint => rising.add(self.table, slot),
-                    EdgeKind::Contact => hit = hit.max(self.momentum(&link, slot, other)),
+                    EdgeKind::Joint => {
+                        rising.cause = Cause::new(WakeReason::Joined, by);
+                        rising.add(self.table, slot);
+                    }
+                    EdgeKind::Contact => {
+                        let momentum = self.momentum(&link, slot, other);
+                        if momentum > hit {
+                            (hit, hit_by) = (momentum, Some(by));
+                        }
+                        touched_by = Some(by);
+                    }
                 }
                 let is_put = other.put_from.is_some() || other.arrived && !self.is_restored(&link);
                 if is_put && self.overlaps(&link) {
+                    rising.cause = Cause::new(WakeReason::Overlapped, by);
                     rising.add(self.table, slot);
                 }
             }
             if hit > 0.0 {
+                rising.cause = Cause::new(WakeReason::Hit, hit_by);
                 self.wake_around(slot, hit / self.speed, rising);
             }
             let now = self.wrench(slot);
             let then = accounts.get_or_open(slot, || now);
             if self.change(body, &now, &then) > share * self.normal_force(body, &then) {
+                rising.cause = Cause::new(WakeReason::LoadChanged, touched_by);
                 rising.add(self.table, slot);
             }
         }

@@ -1,5 +1,6 @@
 //! Lists of sleeping bodies that are to wake.
 
+use super::why::Cause;
 use crate::body::{BodyState, BodyTable};
 use crate::graph::{ConstraintGraph, edges::Link};
 use fixedbitset::FixedBitSet;
@@ -9,6 +10,10 @@ use fixedbitset::FixedBitSet;
 pub(in crate::graph) struct Rising {
     marked: FixedBitSet,
     pub slots: Vec<u32>,
+    /// Why each of them wakes.
+    pub causes: Vec<Cause>,
+    /// Why those wake that are added now.
+    pub cause: Cause,
 }
 
 impl Rising {
@@ -19,6 +24,7 @@ impl Rising {
             self.marked.grow(slot as usize + 1);
             if !self.marked.put(slot as usize) {
                 self.slots.push(slot);
+                self.causes.push(self.cause);
             }
         }
     }
@@ -28,7 +34,8 @@ impl Rising {
         self.marked.contains(slot as usize)
     }
 
-    /// Adds all sleeping bodies that are connected by links of some kinds with those from an index on, over sleeping bodies.
+    /// Adds all sleeping bodies that are connected by links of some kinds with those from an index on, over sleeping bodies. They wake for
+    /// the same reason.
     pub fn flood(
         &mut self,
         (graph, table): (&ConstraintGraph, &BodyTable),
@@ -36,6 +43,7 @@ impl Rising {
         spreads: impl Fn(&Link) -> bool,
     ) {
         while let Some(&slot) = self.slots.get(from) {
+            self.cause = self.causes[from];
             let links = graph.links_of(slot).filter(|link| spreads(link));
             links.for_each(|link| self.add(table, link.other(slot)));
             from += 1;

@@ -23,6 +23,7 @@ use bevy_egui::{EguiContexts, EguiPlugin, EguiPrimaryContextPass, egui};
 use clap::ValueEnum;
 use drystone::body::MassProperties;
 use drystone::masonry::EditLog;
+use drystone::panel::{PhysicsPanel, PhysicsPanelPlugin, PhysicsPanelSystems};
 use drystone::prelude::*;
 
 /// The panel, through `bevy_egui`.
@@ -36,8 +37,15 @@ impl Plugin for PanelPlugin {
             .add_systems(Update, (settings::apply, costs::follow))
             .add_systems(
                 EguiPrimaryContextPass,
-                (side, timeline::window, costs::window, banner, help).chain(),
+                (side, timeline::window, banner, help).chain(),
             );
+        // The panel of physics is switched here like the other overlays.
+        app.insert_resource(PhysicsPanel {
+            key: None,
+            ..default()
+        })
+        .add_plugins(PhysicsPanelPlugin)
+        .add_systems(Update, costs::switch.before(PhysicsPanelSystems));
     }
 }
 
@@ -68,6 +76,39 @@ struct Known<'w, 's> {
     timeline: Option<Res<'w, Timeline>>,
     bodies: Query<'w, 's, (&'static Load, &'static MassProperties, &'static Sleeping)>,
     costs: Res<'w, costs::Costs>,
+}
+
+/// A part of the panel of this height, logical pixels, so that nothing below it moves when its content changes.
+fn fixed(ui: &mut egui::Ui, height: f32, show: impl FnOnce(&mut egui::Ui)) {
+    let size = egui::vec2(ui.available_width(), height);
+    let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let inside = egui::UiBuilder::new()
+        .max_rect(rect)
+        .layout(egui::Layout::top_down(egui::Align::Min));
+    show(&mut ui.new_child(inside));
+}
+
+/// A slider that shows its value with a unit. Egui would put a gap before a suffix.
+fn with_unit<'a>(
+    slider: egui::Slider<'a>,
+    decimals: usize,
+    unit: &'static str,
+) -> egui::Slider<'a> {
+    slider
+        .custom_formatter(move |value, _| format!("{value:.decimals$}{unit}"))
+        .custom_parser(move |text| {
+            text.trim()
+                .trim_end_matches(unit.trim())
+                .trim()
+                .parse()
+                .ok()
+        })
+}
+
+/// A button that is as wide as the longest of its texts, so that nothing beside it moves.
+fn button(ui: &mut egui::Ui, text: &str, width: f32) -> bool {
+    let size = egui::vec2(width, 0.0);
+    ui.add(egui::Button::new(text).min_size(size)).clicked()
 }
 
 /// A value that is written only if it was changed, so that showing it does not trigger change detection.
@@ -136,29 +177,41 @@ fn scenes(ui: &mut egui::Ui, set: &mut Set) {
     }
 }
 
+/// Notes where a button is, for the journal.
+fn note(widgets: &mut Widgets, name: &str, response: &egui::Response) {
+    let middle = response.rect.center();
+    widgets.0.insert(name.into(), [middle.x, middle.y]);
+}
+
+/// Heights of the parts that change, logical pixels: a tool with its settings; the legend of the colours; what is known of a piece.
+const TOOL_HEIGHT: f32 = 80.0;
+const LEGEND_HEIGHT: f32 = 28.0;
+const PIECE_HEIGHT: f32 = 72.0;
+
 fn tools(ui: &mut egui::Ui, set: &mut Set) {
     heading(ui, "Tools");
-    let mut note = |name: &str, response: &egui::Response| {
-        let middle = response.rect.center();
-        set.widgets.0.insert(name.into(), [middle.x, middle.y]);
-    };
     ui.horizontal_wrapped(|ui| {
         for tool in Tool::ALL {
             let [name, _] = tool.about();
             let response = ui.selectable_label(*set.tool == tool, name);
-            note(name, &response);
+            note(&mut set.widgets, name, &response);
             if response.clicked() {
                 *set.tool = tool;
             }
         }
     });
+    fixed(ui, TOOL_HEIGHT, |ui| tool(ui, set));
+}
+
+/// What the tool does, and its settings.
+fn tool(ui: &mut egui::Ui, set: &mut Set) {
     ui.small(set.tool.about()[1]);
     match *set.tool {
         Tool::Lay => {
             ui.horizontal_wrapped(|ui| {
                 for (name, piece) in palette() {
                     let response = ui.selectable_label(set.choice.name == Some(name), name);
-                    note(name, &response);
+                    note(&mut set.widgets, name, &response);
                     if response.clicked() {
                         (set.choice.piece, set.choice.name) = (piece, Some(name));
                     }
@@ -174,7 +227,7 @@ fn tools(ui: &mut egui::Ui, set: &mut Set) {
                 Tool::Press => force(ui, &mut strength.press, "pressure"),
                 _ => {
                     let slider = egui::Slider::new(&mut strength.throw, 2.0..=40.0);
-                    ui.add(slider.suffix(" m/s"));
+                    ui.add(with_unit(slider, 1, " m/s"));
                 }
             })
         }
@@ -186,7 +239,7 @@ fn tools(ui: &mut egui::Ui, set: &mut Set) {
 fn force(ui: &mut egui::Ui, newtons: &mut f32, text: &str) {
     let mut kilo = 1e-3 * *newtons;
     let slider = egui::Slider::new(&mut kilo, 0.5..=100.0).logarithmic(true);
-    if ui.add(slider.suffix(" kN").text(text)).changed() {
+    if ui.add(with_unit(slider, 1, " kN").text(text)).changed() {
         *newtons = 1e3 * kilo;
     }
 }
@@ -217,7 +270,7 @@ fn time(ui: &mut egui::Ui, commands: &mut Commands, set: &mut Set, comparison: &
     edit(&mut set.clock, |clock| {
         ui.horizontal(|ui| {
             let text = if clock.paused { "Go on" } else { "Pause" };
-            if ui.button(text).clicked() {
+            if button(ui, text, 48.0) {
                 clock.paused = !clock.paused;
             }
             if ui.button("Step").clicked() {
@@ -238,12 +291,11 @@ fn time(ui: &mut egui::Ui, commands: &mut Commands, set: &mut Set, comparison: &
         true => "One scene again",
         false => "60 and 10 Hz side by side",
     };
-    if ui.button(text).clicked() {
+    let response = ui.button(text);
+    if response.clicked() {
         attempt(commands, crate::compare::toggle);
     }
-    if comparison.is_on() {
-        ui.small("left 60 Hz, right 10 Hz; balls go into both");
-    }
+    response.on_hover_text("left 60 Hz, right 10 Hz; balls go into both");
 }
 
 fn overlays(ui: &mut egui::Ui, set: &mut Set, known: &Known) {
@@ -254,16 +306,18 @@ fn overlays(ui: &mut egui::Ui, set: &mut Set, known: &Known) {
                 ui.selectable_value(&mut overlays.paint, paint, paint.name());
             }
         });
-        if let Some(text) = &known.legend.0 {
-            let scaled = matches!(overlays.paint, Paint::Loads | Paint::Friction);
-            if scaled {
-                scale(ui);
+        fixed(ui, LEGEND_HEIGHT, |ui| {
+            if let Some(text) = &known.legend.0 {
+                let scaled = matches!(overlays.paint, Paint::Loads | Paint::Friction);
+                if scaled {
+                    scale(ui);
+                }
+                ui.small(text);
             }
-            ui.small(text);
-        }
-        if overlays.paint == Paint::Sleep {
-            ui.small(format!("{:.2} ms a step", known.costs.step));
-        }
+            if overlays.paint == Paint::Sleep {
+                ui.small(format!("{:.2} ms a step", known.costs.step));
+            }
+        });
         ui.horizontal_wrapped(|ui| {
             ui.toggle_value(&mut overlays.contacts, "contacts");
             ui.toggle_value(&mut overlays.anchors, "anchors");
@@ -274,7 +328,12 @@ fn overlays(ui: &mut egui::Ui, set: &mut Set, known: &Known) {
             ui.toggle_value(&mut overlays.help, "help");
         });
     });
-    // Always as many lines, so that nothing jumps about.
+    fixed(ui, PIECE_HEIGHT, |ui| piece(ui, known));
+}
+
+/// What is known of the piece under the mouse.
+fn piece(ui: &mut egui::Ui, known: &Known) {
+    // Each at its place.
     let mut lines = vec![String::new(); 4];
     if let Some(body) = known.pointer.body
         && let Ok((load, mass, sleeping)) = known.bodies.get(body)

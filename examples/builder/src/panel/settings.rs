@@ -78,7 +78,7 @@ impl Physics {
             ui.toggle_value(&mut self.sleep, "sleep");
         });
         let tilt = egui::Slider::new(&mut self.tilt, 0.0..=30.0);
-        ui.add(tilt.suffix("°").text("tilt"));
+        ui.add(super::with_unit(tilt, 1, "°").text("tilt"));
         if ui.small_button("as delivered").clicked() {
             *self = Self::default();
         }

@@ -52,7 +52,7 @@ fn buttons(ui: &mut egui::Ui, timeline: &mut Timeline) {
             timeline.go_by(-1);
         }
         let text = if timeline.playing { "Stop" } else { "Play" };
-        if ui.button(text).clicked() {
+        if super::button(ui, text, 42.0) {
             timeline.toggle();
         }
         if ui.button(">").clicked() {

@@ -33,7 +33,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("F2 – F5", "colours: loads, friction, islands, sleep"),
     ("F6, F7", "contacts that stick or slip, anchors"),
     ("F8, F9, F10", "load path, what falls, margin"),
-    ("F11, F12", "costs, picture"),
+    ("F11, F12", "panel of physics, picture"),
     ("F1", "this"),
 ];
 

@@ -91,6 +91,13 @@ pub enum BodyProblem {
         "its `Fluid` has a number that is negative, not finite or out of bounds, and does nothing until that is mended"
     )]
     InvalidFluid,
+    /// The [`Wheel`](crate::vehicle::Wheel) has a number that is not finite, out of bounds, or negative or zero where that makes no sense.
+    /// It does nothing until that is mended.
+    #[error(
+        "its `Wheel` has a number that is not finite, out of bounds, or negative or zero where that makes no sense, and does nothing \
+         until that is mended"
+    )]
+    InvalidWheel,
     /// The maximum linear or angular speed is NaN or negative.
     #[error(
         "its `MaxLinearSpeed` or `MaxAngularSpeed` is negative or not a number; an infinite one is no limit"
@@ -207,6 +214,7 @@ impl BodyProblem {
                 | Self::Coincident { .. }
                 | Self::Crowded
                 | Self::InvalidFluid
+                | Self::InvalidWheel
                 | Self::PartLeftOut { .. }
         )
     }

@@ -58,6 +58,7 @@
 //! | build | [`masonry`] generates structures and undoes edits, [`mortar`] bonds bricks, [`children`] make a body of several colliders |
 //! | dig, break | [`voxels`]: bodies of cells; [`fracture`]: bodies that break into pieces at a blow, and debris |
 //! | move | [`body`]: velocities, forces, locks, teleports; [`character`]: characters that walk, jump and ride; [`grab`]: hands |
+//! | drive | [`vehicle`]: wheels with suspension, steering, engine and brake |
 //! | float, blow | [`fluid`]: water and wind, in which bodies float and drift |
 //! | join | [`joint`]: doors, chains, bridges, sliders, ropes, springs, motors, and joints that break |
 //! | ask | the questions below; [`caster`]: rays and shapes of entities |
@@ -197,6 +198,7 @@ pub mod stabilization;
 pub mod state;
 mod stored;
 pub mod streaming;
+pub mod vehicle;
 pub mod voxels;
 pub mod warm_start;
 
@@ -258,6 +260,7 @@ pub mod prelude {
         ContactSolver, Gravity, NarrowphaseSettings, PhysicsTime, SleepSettings, SolverSettings,
         SpeedLimits, StabilizationSettings, Waking,
     };
+    pub use crate::vehicle::{Wheel, WheelState};
     pub use crate::voxels::{VoxelChunk, Voxels};
     pub use crate::{DrystonePlugins, step};
     pub use glam::{BVec3, IVec3, Quat, Vec3};

@@ -33,6 +33,7 @@ use crate::settings::{
 use crate::solve::SolveReports;
 use crate::stabilization::{anchors, friction, normal};
 use crate::streaming::{self, Arrivals, Suspended};
+use crate::vehicle::VehiclePlugin;
 use crate::voxels::{VoxelPlugin, VoxelSystems};
 use crate::warm_start::{self, IslandProblems};
 use crate::{integration, joint, narrowphase, solve};
@@ -97,6 +98,7 @@ impl PluginGroup for DrystonePlugins {
             .add(RefreshPlugin)
             .add(CharacterPlugin)
             .add(FluidPlugin)
+            .add(VehiclePlugin)
             .add(FracturePlugin)
             .add(CasterPlugin)
             .add(VoxelPlugin);
@@ -574,7 +576,7 @@ mod tests {
     }
 
     /// Every plugin but `StepPlugin`, by its name.
-    const OTHERS: [(&str, Add); 19] = [
+    const OTHERS: [(&str, Add); 20] = [
         ("BodyPlugin", |app| _ = app.add_plugins(BodyPlugin)),
         ("CollisionPlugin", |app| {
             _ = app.add_plugins(CollisionPlugin)
@@ -603,6 +605,7 @@ mod tests {
             _ = app.add_plugins(CharacterPlugin)
         }),
         ("FluidPlugin", |app| _ = app.add_plugins(FluidPlugin)),
+        ("VehiclePlugin", |app| _ = app.add_plugins(VehiclePlugin)),
         ("FracturePlugin", |app| _ = app.add_plugins(FracturePlugin)),
         ("CasterPlugin", |app| _ = app.add_plugins(CasterPlugin)),
         ("VoxelPlugin", |app| _ = app.add_plugins(VoxelPlugin)),

@@ -26,6 +26,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// | forces | `ExternalForce`, `ExternalImpulse`, `Damping` (if there is less), `GravityScale`, `Grab`, `Hand` |
 /// | its shape | `Collider`, `ColliderOf` and `CompoundCollider` (colliders on children), `ColliderDisabled`, `Sensor`, `Voxels` |
 /// | a fluid in which it is | `Fluid`, `FluidField`, or its surface moves |
+/// | its wheels | `Wheel` |
 /// | its mass | `Density`, `Mass`, `AngularInertia`, `CenterOfMass` |
 /// | its surface | `Friction`, `Restitution`, `RollingFriction`, `SurfaceVelocity` |
 /// | what it collides with | `CollisionLayers`, `CollisionExceptions`, `ActiveContactHooks`, the resource `ContactHooks` |

@@ -138,6 +138,11 @@ impl SpatialQuery<'_, '_> {
         self.table.body(body, *self.slots.get(body).ok()?)
     }
 
+    /// The slot of a body that is in the simulation.
+    pub(crate) fn slot(&self, body: Entity) -> Option<u32> {
+        self.slots.get(body).ok().map(|index| index.0)
+    }
+
     #[inline]
     fn view(&self) -> View<'_> {
         View::new(&self.table, &self.broadphase, &self.pending)

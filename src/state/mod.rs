@@ -45,6 +45,7 @@ use crate::settings::{
     SpeedLimits, StabilizationSettings, StepTime,
 };
 use crate::streaming::{Arrivals, Suspended};
+use crate::vehicle::{Wheel, WheelState};
 use crate::voxels::{VoxelChunk, Voxels};
 use crate::warm_start::IslandProblems;
 use bevy_ecs::entity_disabling::Disabled;
@@ -101,6 +102,8 @@ state! {
     component Other { Fracturable, Debris, Voxels, VoxelChunk }
     // Fluids.
     component Other { Fluid, FluidState }
+    // Vehicles.
+    component Other { Wheel, WheelState }
     // Joints.
     component Joint { JointForces, BreakForce }
     component Other { JointDisabled, QuarantinedJoint }

@@ -51,6 +51,16 @@ fn air(world: &mut World) -> Entity {
     fluids.single(world).unwrap()
 }
 
+/// Gives the lower cube a wheel at its side.
+fn mount_wheel(world: &mut World, site: &Site) {
+    world.spawn((Wheel::default(), ChildOf(site.lower), at(0.8, 0.2, 0.0)));
+}
+
+fn wheel(world: &mut World) -> Entity {
+    let mut wheels = world.query_filtered::<Entity, With<Wheel>>();
+    wheels.single(world).unwrap()
+}
+
 /// Takes a component from the lower cube.
 fn take<T: Component>(world: &mut World, site: &Site) -> Entity {
     world.entity_mut(site.lower).remove::<T>();
@@ -133,6 +143,16 @@ const WAKES: &[Wakes] = &[
         let air = air(w);
         w.entity_mut(air).remove::<Fluid>();
         s.upper
+    }),
+    Wakes("Wheel", mount_wheel, |w, s| {
+        let wheel = wheel(w);
+        w.get_mut::<Wheel>(wheel).unwrap().engine = 100.0;
+        s.lower
+    }),
+    Wakes("Wheel", mount_wheel, |w, s| {
+        let wheel = wheel(w);
+        w.entity_mut(wheel).remove::<Wheel>();
+        s.lower
     }),
     Wakes("Velocity", nothing, |w, s| {
         put(w, s, Velocity::linear(Vec3::X))
@@ -442,6 +462,7 @@ const WAKES_NOBODY: &[(&str, &[&str])] = &[
             "GrabForce",
             "HandState",
             "FluidState",
+            "WheelState",
             "HeldBy",
             "Load",
             "Stands",

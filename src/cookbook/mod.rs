@@ -47,6 +47,7 @@
 //! | page | |
 //! |---|---|
 //! | [`drag`] | Drag bodies with the pointer |
+//! | [`vehicles`] | A car, and a cart |
 //! | [`stairs`] | A character that climbs stairs |
 //! | [`trigger_zone`] | A trigger zone |
 //! | [`hit_sound`] | The sound of a hit |
@@ -149,6 +150,9 @@ pub mod breakable_joint {}
 #[doc = include_str!("playing/drag.md")]
 #[doc = include_str!("pictures/drag.svg")]
 pub mod drag {}
+
+#[doc = include_str!("playing/vehicles.md")]
+pub mod vehicles {}
 
 #[doc = include_str!("playing/stairs.md")]
 #[doc = include_str!("pictures/stairs.svg")]

@@ -49,6 +49,7 @@
 //! | page | |
 //! |---|---|
 //! | [`drag`] | Drag bodies with the pointer |
+//! | [`vehicles`] | A car, and a cart |
 //! | [`stairs`] | A character that climbs stairs |
 //! | [`water`] | Water in which things float |
 //! | [`wind`] | Wind |
@@ -153,6 +154,9 @@ pub mod breakable_joint {}
 #[doc = include_str!("playing/drag.md")]
 #[doc = include_str!("pictures/drag.svg")]
 pub mod drag {}
+
+#[doc = include_str!("playing/vehicles.md")]
+pub mod vehicles {}
 
 #[doc = include_str!("playing/stairs.md")]
 #[doc = include_str!("pictures/stairs.svg")]

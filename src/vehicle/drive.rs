@@ -7,7 +7,7 @@ use super::{Wheel, WheelState};
 use crate::body::collider::Friction;
 use crate::body::{
     BodyIndex, BodyState, BodyTable, ExternalImpulse, Inactive, MassProperties, Simulated,
-    Sleeping, SpawnOrder, limits,
+    Sleeping, SpawnOrder, Velocity, limits,
 };
 use crate::diagnosis::{BodyProblem, FoundProblems};
 use crate::graph::{ConstraintGraph, EdgeKind};
@@ -34,6 +34,9 @@ const STOP_SPEED: f32 = 2.0;
 
 /// The least cosine of the angle between the suspension and the normal of the ground. Steeper ground counts as being so steep.
 const LEAST_COSINE: f32 = 0.3;
+
+/// How far beside its place a wheel looks again if it finds no ground, as a share of its radius.
+const BESIDE: f32 = 1e-3;
 
 /// The bodies that wheels are on, and those that are ground.
 type Bodies<'w, 's> = Query<
@@ -129,27 +132,31 @@ pub fn drive(
         let Some(vehicle) = site.vehicle(of[0].mount.body, &bodies) else {
             continue;
         };
+        let mut is_busy = false;
         for (number, wheel) in of.iter().enumerate() {
             let Ok((_, wheel_of, mut state)) = wheels.get_mut(wheel.wheel) else {
                 continue;
             };
             let state = state.bypass_change_detection();
-            let found = vehicle.touch((wheel_of, state), &wheel.mount, of.len());
-            if let Some(touch) = found {
-                touching.push(touch);
-                touching_numbers.push(number);
+            match vehicle.touch((wheel_of, state), &wheel.mount, of.len()) {
+                Some(touch) => {
+                    touching.push(touch);
+                    touching_numbers.push(number);
+                }
+                // An engine that turns a wheel in the air.
+                None => is_busy |= wheel_of.engine.abs() > wheel_of.brake,
             }
         }
         let mut mover = vehicle.mover;
         grip::solve(&mut mover, touching);
-        let (mut sum, mut slip) = (ExternalImpulse::default(), 0.0f32);
+        let mut sum = ExternalImpulse::default();
         for (touch, &number) in touching.iter().zip(&*touching_numbers) {
             let Ok((_, _, mut state)) = wheels.get_mut(of[number].wheel) else {
                 continue;
             };
             let state = state.bypass_change_detection();
             touch.store(state, &mover, site.time.dt);
-            slip = slip.max(state.slip.length());
+            is_busy |= state.slip.length() > site.sleep.linear_speed;
             sum.add_at(touch.impulse(), touch.arms[0]);
             site.push_ground(state, vehicle.is_still, touch.arms[1], &mut bodies);
         }
@@ -157,7 +164,7 @@ pub fn drive(
             let impulse = impulse.bypass_change_detection();
             impulse.linear += sum.linear;
             impulse.angular += sum.angular;
-            if slip > site.sleep.linear_speed {
+            if is_busy {
                 sleeping.bypass_change_detection().still_for = 0.0;
             }
         }
@@ -349,7 +356,7 @@ impl Vehicle<'_> {
         let forward = forward.unwrap_or_else(|| normal.any_orthonormal_vector());
         let axes = [normal, forward, forward.cross(normal)];
         let arms = [hit.point - self.state.center, hit.point - ground.center];
-        let (strain, is_same) = self.strain(state, wheel, &hit, (ground, axes));
+        let strain = self.strain(state, wheel, &hit, (ground, axes));
         let mover = self.ground(slot, ground);
         let compression = wheel.suspension + wheel.radius - hit.distance;
         let before = self.state.velocity.at(arms[0]) - mover.velocity.at(arms[1]);
@@ -380,10 +387,8 @@ impl Vehicle<'_> {
             friction: friction * Vec2::new(1.0, wheel.grip_across),
             bias: TAKEN_BACK / dt * strain,
             spin,
-            impulses: match is_same {
-                true => dt * Vec3::new(state.load, state.force.x, state.force.y),
-                false => Vec3::ZERO,
-            },
+            // Those of the last step, to start from: zero in the air.
+            impulses: dt * Vec3::new(state.load, state.force.x, state.force.y),
             slides: false,
         })
     }
@@ -394,9 +399,15 @@ impl Vehicle<'_> {
         let filter = QueryFilter::default()
             .excluding(&excluded)
             .with_layers(self.state.properties.layers);
-        let ray = Ray3d::new(from, Dir3::new(down).ok()?);
-        let far = wheel.suspension + wheel.radius;
-        self.site.world.cast_ray(ray, far, &filter).ok()?
+        let (down, far) = (Dir3::new(down).ok()?, wheel.suspension + wheel.radius);
+        let cast = |from: Vec3| {
+            let ray = Ray3d::new(from, down);
+            self.site.world.cast_ray(ray, far, &filter).ok()?
+        };
+        // A ray that runs exactly into the seam of two tiles may miss both by rounding.
+        let (x, y) = down.any_orthonormal_pair();
+        let beside = wheel.radius * BESIDE * Vec2::new(1.0, 0.6);
+        cast(from).or_else(|| cast(from + beside.x * x + beside.y * y))
     }
 
     /// How the ground moves.
@@ -409,10 +420,7 @@ impl Vehicle<'_> {
             links.any(|link| matches!(link.kind, EdgeKind::Contact | EdgeKind::Joint))
         };
         if !ground.is_dynamic() || ground.asleep || is_held() {
-            return Mover {
-                velocity,
-                ..Default::default()
-            };
+            return Mover::held(velocity);
         }
         let mass = &ground.mass;
         Mover {
@@ -422,25 +430,31 @@ impl Vehicle<'_> {
         }
     }
 
-    /// How far the tread is from where it would be without slip, m, and whether it was on the same ground before.
+    /// How far the tread is from where it would be without slip, m.
     fn strain(
         &self,
         state: &WheelState,
         wheel: &Wheel,
         hit: &RayHit,
         (ground, [_, forward, right]): (&BodyState, [Vec3; 3]),
-    ) -> (Vec2, bool) {
-        let is_same = |contact: WheelContact| contact.body == hit.entity;
-        if !state.contact.is_some_and(is_same) {
-            return (Vec2::ZERO, false);
-        }
+    ) -> Vec2 {
+        let before = match state.contact {
+            Some(contact) if contact.body == hit.entity => {
+                ground.pose.transform_point(state.anchor)
+            }
+            // From one tile of the ground to the next.
+            Some(contact) if !ground.is_dynamic() && ground.velocity == Velocity::default() => {
+                contact.point
+            }
+            _ => return Vec2::ZERO,
+        };
         let carried = self.site.time.previous_dt * ground.surface_velocity();
-        let way = hit.point - ground.pose.transform_point(state.anchor) - carried;
+        let way = hit.point - before - carried;
         let rolled = wheel.radius * state.rolled;
         let strain = state.strain + Vec2::new(way.dot(forward) - rolled, way.dot(right));
         let kept = ops::exp(-way.length() / (MEMORY * wheel.radius));
         let most = Vec2::splat(MOST_STRAIN);
-        (kept * strain.clamp(-most, most), true)
+        kept * strain.clamp(-most, most)
     }
 }
 
@@ -448,7 +462,10 @@ impl Vehicle<'_> {
 /// lengthens at the beginning of the step, m/s.
 fn spring(wheel: &Wheel, (compression, speed): (f32, f32), share: f32, dt: f32) -> Spring {
     let rate = TAU * wheel.frequency;
-    let (stiffness, damping) = (share * rate * rate, 2.0 * wheel.damping_ratio * share * rate);
+    let (stiffness, damping) = (
+        share * rate * rate,
+        2.0 * wheel.damping_ratio * share * rate,
+    );
     let beyond = compression - wheel.travel;
     Spring {
         // The force is that in the middle of the step, when the compression is less by Δt/4 times the sum of the speeds before and after.

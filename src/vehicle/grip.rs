@@ -7,7 +7,7 @@ use glam::{Mat3, Vec2, Vec3};
 const SWEEPS: usize = 10;
 
 /// A body that wheels push: how it moves at the end of the step, as far as that is known.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Mover {
     pub velocity: Velocity,
     /// Zero if it cannot be pushed.
@@ -16,6 +16,15 @@ pub(super) struct Mover {
 }
 
 impl Mover {
+    /// A body that cannot be pushed.
+    pub fn held(velocity: Velocity) -> Self {
+        Self {
+            velocity,
+            inverse_mass: 0.0,
+            inverse_inertia: Mat3::ZERO,
+        }
+    }
+
     /// The change of velocity at `arm` along an axis by a unit impulse there, 1/kg.
     pub fn yields(&self, arm: Vec3, axis: Vec3) -> f32 {
         let turn = arm.cross(axis);
@@ -138,10 +147,7 @@ impl Touch {
         let grip = Vec2::new(self.impulses.y, self.impulses.z);
         let speeds = self.speeds(vehicle);
         let free = Vec2::new(speeds.y, speeds.z) - yields * grip + self.bias;
-        let wanted = Vec2::new(
-            self.spin.without_slip(free.x, yields.x),
-            -free.y / yields.y,
-        );
+        let wanted = Vec2::new(self.spin.without_slip(free.x, yields.x), -free.y / yields.y);
         let most = self.impulses.x * self.friction;
         let share = (wanted / most.max(Vec2::splat(f32::MIN_POSITIVE))).length();
         self.slides = share > 1.0;
@@ -163,7 +169,10 @@ pub(super) fn solve(vehicle: &mut Mover, wheels: &mut [Touch]) {
         // To and fro, so that no side is preferred.
         match sweep % 2 {
             0 => wheels.iter_mut().for_each(|wheel| wheel.relax(vehicle)),
-            _ => wheels.iter_mut().rev().for_each(|wheel| wheel.relax(vehicle)),
+            _ => wheels
+                .iter_mut()
+                .rev()
+                .for_each(|wheel| wheel.relax(vehicle)),
         }
     }
 }

@@ -75,5 +75,6 @@ mod threads;
 mod time;
 mod traffic;
 mod unloading;
+mod vehicles;
 mod voxels;
 mod waking;

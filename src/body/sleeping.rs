@@ -25,7 +25,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// | the body, its place and motion | `RigidBody`, `Transform`, `Pose`, `Velocity`, `ChildOf`, `Sleeping`, `SpawnOrder` |
 /// | forces | `ExternalForce`, `ExternalImpulse`, `Damping` (if there is less), `GravityScale`, `Grab`, `Hand` |
 /// | its shape | `Collider`, `ColliderOf` and `CompoundCollider` (colliders on children), `ColliderDisabled`, `Sensor`, `Voxels` |
-/// | a fluid in which it is | `Fluid`, `FluidField`, or its surface moves |
+/// | a fluid in which it is | `Fluid`, or its surface moves |
 /// | its wheels | `Wheel` |
 /// | its mass | `Density`, `Mass`, `AngularInertia`, `CenterOfMass` |
 /// | its surface | `Friction`, `Restitution`, `RollingFriction`, `SurfaceVelocity` |
@@ -33,7 +33,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 /// | how it is solved | `LockedAxes`, `Dominance`, `MaxLinearSpeed`, `MaxAngularSpeed`, `SolverEffort` |
 /// | whether a body beside it takes part | `RigidBodyDisabled`, `Disabled`, `Quarantined`; it is despawned |
 /// | joints | `FixedJoint`, `RevoluteJoint`, `PrismaticJoint`, `SphericalJoint`, `CylindricalJoint` |
-/// | | `DistanceJoint`, `SpringJoint`, `GenericJoint`, `MortarJoint`; `Mortar`, `BreakForce`, `JointDisabled` |
+/// | | `DistanceJoint`, `SpringJoint`, `GenericJoint`, `MortarJoint`; `Mortar`, `Studs`, `BreakForce`, `JointDisabled` |
 /// | settings, for all bodies | `Gravity`, `SolverSettings`, `StabilizationSettings` |
 /// | | `NarrowphaseSettings`, `SleepSettings`, `SpeedLimits` |
 ///

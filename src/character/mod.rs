@@ -128,7 +128,8 @@ pub struct Character {
     pub climbs: bool,
     /// Factor on gravity. Default: 1.
     pub gravity_scale: f32,
-    /// Whether it crouches: its collider, an upright capsule, cylinder or cuboid, is lowered to [`crouch_height`](Self::crouch_height), with
+    /// Whether it crouches: its collider, an upright capsule, cylinder or cuboid, is lowered to [`crouch_height`](Self::crouch_height),
+    /// with
     /// its feet where they were. If this is false again, it gets up as soon as there is room. Default: false.
     pub crouches: bool,
     /// Its height while it crouches, m; a capsule stays as high as it is wide. Default: 1.

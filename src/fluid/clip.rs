@@ -39,7 +39,8 @@ pub(super) fn add_mesh(wet: &mut Wet, mesh: &TriMesh, at: &ParryPose, around: &A
 
 /// Adds what is wet of a triangle of a closed surface, counterclockwise as seen from outside.
 ///
-/// The volume below the surface of the fluid is the sum of the tetrahedra from a point in that surface to the wet triangles, signed: the lid
+/// The volume below the surface of the fluid is the sum of the tetrahedra from a point in that surface to the wet triangles, signed: the
+/// lid
 /// over the cut would add nothing.
 #[inline]
 fn add_triangle(wet: &mut Wet, corners: [Vec3; 3], around: &Around) {

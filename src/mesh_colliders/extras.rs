@@ -105,7 +105,8 @@ impl Found {
     }
 }
 
-/// The components of `bevy_gltf` with extras: of nodes and parts of meshes, of the material of a part, of the whole mesh. The first that says
+/// The components of `bevy_gltf` with extras: of nodes and parts of meshes, of the material of a part, of the whole mesh. The first that
+/// says
 /// something decides.
 const COMPONENTS: [&str; 3] = ["GltfExtras", "GltfMaterialExtras", "GltfMeshExtras"];
 

@@ -26,7 +26,7 @@ const TAKEN_BACK: f32 = 0.2;
 /// The tread is at most so far from where it would be without slip, m: farther, it slides.
 const MOST_STRAIN: f32 = 0.005;
 
-/// The tread forgets where it was when the wheel has rolled by this multiple of its radius.
+/// The tread forgets where it was when the wheel has turned by this angle, rad.
 const MEMORY: f32 = 1.0;
 
 /// The suspension at the end of its travel is pushed back with this speed at most, m/s.
@@ -138,7 +138,7 @@ pub fn drive(
                 continue;
             };
             let state = state.bypass_change_detection();
-            match vehicle.touch((wheel_of, state), &wheel.mount, of.len()) {
+            match vehicle.touch((wheel_of, state), &wheel.mount, of.len(), &bodies) {
                 Some(touch) => {
                     touching.push(touch);
                     touching_numbers.push(number);
@@ -155,7 +155,7 @@ pub fn drive(
                 continue;
             };
             let state = state.bypass_change_detection();
-            touch.store(state, &mover, site.time.dt);
+            touch.store(state, site.time.dt);
             is_busy |= state.slip.length() > site.sleep.linear_speed;
             sum.add_at(touch.impulse(), touch.arms[0]);
             site.push_ground(state, vehicle.is_still, touch.arms[1], &mut bodies);
@@ -200,6 +200,8 @@ impl Site<'_, '_> {
         if sleeping.asleep || is_inactive {
             if has_changed || self.has_ground_changed(state) {
                 sleeping.wake();
+                // Its ground gets its push from the first step on.
+                self.wake(state.contact.map(|contact| contact.body), bodies);
             } else {
                 self.press(state, bodies);
             }
@@ -290,6 +292,36 @@ impl Site<'_, '_> {
         }
     }
 
+    /// How the ground moves.
+    fn ground(&self, slot: u32, ground: &BodyState, bodies: &Bodies) -> Mover {
+        let surface = ground.surface_velocity();
+        let mut velocity = ground.velocity;
+        velocity.linear += surface;
+        let is_held = || {
+            let mut links = self.graph.links_of(slot);
+            links.any(|link| matches!(link.kind, EdgeKind::Contact | EdgeKind::Joint))
+        };
+        if !ground.is_dynamic() || ground.asleep || is_held() {
+            return Mover::held(velocity);
+        }
+        let mass = &ground.mass;
+        let mut mover = Mover {
+            velocity,
+            inverse_mass: mass.inverse_mass,
+            inverse_inertia: mass.world_inverse_inertia(ground.pose.rotation),
+        };
+        // Its own wheels may hold it, and have pushed it already if it was spawned before.
+        if let Ok((_, _, impulse, ..)) = bodies.get(ground.entity)
+            && *impulse != ExternalImpulse::default()
+        {
+            mover.velocity = ground.pushed(self.gravity.0, self.time.dt);
+            mover.velocity.linear += surface;
+            mover.push(impulse.linear, Vec3::ZERO);
+            mover.velocity.angular += mover.inverse_inertia * impulse.angular;
+        }
+        mover
+    }
+
     /// A body with wheels, as it moves at the end of the step without them.
     fn vehicle(&self, body: Entity, bodies: &Bodies) -> Option<Vehicle<'_>> {
         let (index, mass, impulse, sleeping, _) = bodies.get(body).ok()?;
@@ -328,6 +360,7 @@ impl Vehicle<'_> {
         (wheel, state): (&Wheel, &mut WheelState),
         mount: &Mount,
         count: usize,
+        bodies: &Bodies,
     ) -> Option<Touch> {
         let dt = self.site.time.dt;
         let pose = self.state.pose;
@@ -356,8 +389,8 @@ impl Vehicle<'_> {
         let forward = forward.unwrap_or_else(|| normal.any_orthonormal_vector());
         let axes = [normal, forward, forward.cross(normal)];
         let arms = [hit.point - self.state.center, hit.point - ground.center];
-        let strain = self.strain(state, wheel, &hit, (ground, axes));
-        let mover = self.ground(slot, ground);
+        let slipped = self.slipped(state, wheel, &hit, (ground, axes));
+        let mover = self.site.ground(slot, ground, bodies);
         let compression = wheel.suspension + wheel.radius - hit.distance;
         let before = self.state.velocity.at(arms[0]) - mover.velocity.at(arms[1]);
         let cosine = normal.dot(up).max(LEAST_COSINE);
@@ -374,7 +407,10 @@ impl Vehicle<'_> {
         });
         state.compression = compression.max(0.0);
         state.anchor = ground.pose.inverse_transform_point(hit.point);
-        state.strain = strain;
+        state.slip = slipped / self.site.time.previous_dt;
+        let most = Vec2::splat(MOST_STRAIN);
+        let kept = ops::exp(-state.rolled.abs() / MEMORY);
+        state.strain = kept * (state.strain + slipped).clamp(-most, most);
         Some(Touch {
             arms,
             axes,
@@ -385,7 +421,7 @@ impl Vehicle<'_> {
                 least_speed: spring.least_speed * cosine,
             },
             friction: friction * Vec2::new(1.0, wheel.grip_across),
-            bias: TAKEN_BACK / dt * strain,
+            bias: TAKEN_BACK / dt * state.strain,
             spin,
             // Those of the last step, to start from: zero in the air.
             impulses: dt * Vec3::new(state.load, state.force.x, state.force.y),
@@ -410,28 +446,8 @@ impl Vehicle<'_> {
         cast(from).or_else(|| cast(from + beside.x * x + beside.y * y))
     }
 
-    /// How the ground moves.
-    fn ground(&self, slot: u32, ground: &BodyState) -> Mover {
-        let mut velocity = ground.velocity;
-        velocity.linear += ground.surface_velocity();
-        let is_held = || {
-            let graph = &self.site.graph;
-            let mut links = graph.links_of(slot);
-            links.any(|link| matches!(link.kind, EdgeKind::Contact | EdgeKind::Joint))
-        };
-        if !ground.is_dynamic() || ground.asleep || is_held() {
-            return Mover::held(velocity);
-        }
-        let mass = &ground.mass;
-        Mover {
-            velocity,
-            inverse_mass: mass.inverse_mass,
-            inverse_inertia: mass.world_inverse_inertia(ground.pose.rotation),
-        }
-    }
-
-    /// How far the tread is from where it would be without slip, m.
-    fn strain(
+    /// How far the tread has slipped since the last step, m: forwards and to the right.
+    fn slipped(
         &self,
         state: &WheelState,
         wheel: &Wheel,
@@ -450,11 +466,10 @@ impl Vehicle<'_> {
         };
         let carried = self.site.time.previous_dt * ground.surface_velocity();
         let way = hit.point - before - carried;
-        let rolled = wheel.radius * state.rolled;
-        let strain = state.strain + Vec2::new(way.dot(forward) - rolled, way.dot(right));
-        let kept = ops::exp(-way.length() / (MEMORY * wheel.radius));
-        let most = Vec2::splat(MOST_STRAIN);
-        kept * strain.clamp(-most, most)
+        Vec2::new(
+            way.dot(forward) - wheel.radius * state.rolled,
+            way.dot(right),
+        )
     }
 }
 
@@ -481,14 +496,12 @@ fn spring(wheel: &Wheel, (compression, speed): (f32, f32), share: f32, dt: f32) 
 
 impl Touch {
     /// Stores what the wheel did.
-    fn store(&self, state: &mut WheelState, vehicle: &Mover, dt: f32) {
+    fn store(&self, state: &mut WheelState, dt: f32) {
         let force = self.impulses / dt;
         state.load = force.x;
         state.force = Vec2::new(force.y, force.z);
         state.reaction = -self.impulse() / dt;
         state.turn_to(self.spin.after(self.impulses.y), dt);
-        let speeds = self.speeds(vehicle);
-        state.slip = Vec2::new(speeds.y - self.spin.radius * state.spin, speeds.z);
         if self.slides {
             state.strain = Vec2::ZERO;
         }

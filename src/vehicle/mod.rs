@@ -174,8 +174,7 @@ const LEAST: f32 = 1e-4;
 
 impl Wheel {
     /// Returns true if all numbers are finite and within [`limits`], none but `steering` and `engine` is negative, and radius, frequency
-    /// and
-    /// share of the mass are not zero. A wheel with other numbers does nothing, which is reported once.
+    /// and share of the mass are not zero. A wheel with other numbers does nothing, which is reported once.
     pub fn is_valid(&self) -> bool {
         let shares = [self.damping_ratio, self.grip_across];
         limits::share_of(self.radius, limits::LARGEST)

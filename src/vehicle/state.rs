@@ -49,7 +49,8 @@ pub struct WheelState {
     pub load: f32,
     /// Force of friction on the vehicle, N: x forwards along the wheel, y to its right.
     pub force: Vec2,
-    /// Velocity of the tread against the ground, m/s: x forwards, y to the right. Without slip it is zero.
+    /// Velocity of the tread against the ground, m/s: x forwards, y to the right. Without slip it is zero. It is measured between the
+    /// beginnings of the last step and the one before.
     pub slip: Vec2,
     /// Angular velocity, rad/s: positive as it rolls forwards.
     pub spin: f32,

@@ -768,3 +768,233 @@ fn the_wheels_of_an_axle_aim_at_one_point() {
     }
     assert!((ackermann(0.5 * PI * 0.999, BASE, 0.0) - 0.5 * PI * 0.999).abs() < 1e-3);
 }
+
+#[test]
+fn a_curb_lifts_a_car_and_does_not_throw_it() {
+    for dt in RATES {
+        let mut lab = flat(dt);
+        let curb = (
+            Collider::cuboid(10.0, 0.24, 40.0),
+            Transform::from_xyz(0.0, 0.0, -25.0),
+        );
+        lab.spawn((RigidBody::Static, curb));
+        let car = car(&mut lab, plain(), raised(height()));
+        lab.run(1.0);
+        car.roll(&mut lab, 6.0);
+        let mut highest = 0.0f32;
+        for _ in 0..(4.0 / dt) as usize {
+            lab.step();
+            highest = highest.max(car.pose(&lab).position.y);
+            let up = car.pose(&lab).rotation * Vec3::Y;
+            assert!(up.y > 0.98, "{up}, {dt} s");
+        }
+        let rest = 0.12 + height();
+        assert!(highest < rest + 0.1, "{highest} over {rest}, {dt} s");
+        assert!((car.pose(&lab).position.y - rest).abs() < 2e-3, "{dt} s");
+        assert!(
+            (car.speed(&lab).length() - 6.0).abs() < 0.2,
+            "{}, {dt} s",
+            car.speed(&lab)
+        );
+    }
+}
+
+#[test]
+fn a_car_that_falls_lands_on_its_springs() {
+    for dt in RATES {
+        for fall in [0.5f32, 2.0, 4.0] {
+            let mut lab = flat(dt);
+            let car = car(&mut lab, plain(), raised(height() + fall));
+            let (mut lowest, mut rebound) = (f32::MAX, 0.0f32);
+            for step in 0..(8.0 / dt) as usize {
+                lab.step();
+                let y = car.pose(&lab).position.y;
+                lowest = lowest.min(y);
+                if step as f32 * dt > (2.0 * fall / G).sqrt() + 0.3 {
+                    rebound = rebound.max(y - height());
+                }
+            }
+            // The suspension stops at the end of its travel, and the body does not touch the ground.
+            let stop = 0.1 + 0.4 + 0.35 - 0.3;
+            assert!(lowest > stop - 0.03, "{lowest} m, {fall} m, {dt} s");
+            assert!(rebound < 0.2 * fall, "{rebound} of {fall} m, {dt} s");
+            assert!(car.sleeps(&lab), "{fall} m, {dt} s");
+        }
+    }
+}
+
+#[test]
+fn a_heavy_front_is_borne_by_the_front_wheels() {
+    let mut lab = flat(1.0 / 60.0);
+    let car = car(&mut lab, plain(), raised(height()));
+    let forward = 0.3;
+    lab.world
+        .entity_mut(car.body)
+        .insert(CenterOfMass(Vec3::new(0.0, -0.1, -forward)));
+    lab.run(6.0);
+    let states = car.states(&lab);
+    let front = states[0].load + states[1].load;
+    let expected = MASS * G * (0.5 + forward / BASE);
+    assert!(
+        (front / expected - 1.0).abs() < 0.02,
+        "{front} N instead of {expected}"
+    );
+    assert!(car.sleeps(&lab));
+}
+
+#[test]
+fn a_parked_car_goes_along_with_its_platform_and_with_a_belt() {
+    for dt in RATES {
+        for is_belt in [false, true] {
+            let mut lab = Lab::new();
+            lab.dt = dt;
+            let deck = Collider::cuboid(40.0, 1.0, 40.0);
+            let deck = match is_belt {
+                true => lab.spawn((
+                    RigidBody::Static,
+                    deck,
+                    SurfaceVelocity(Vec3::X),
+                    raised(-0.5),
+                )),
+                false => lab.spawn((
+                    RigidBody::Kinematic,
+                    deck,
+                    Velocity::linear(Vec3::X),
+                    raised(-0.5),
+                )),
+            };
+            let car = car(
+                &mut lab,
+                Wheel {
+                    brake: 3000.0,
+                    ..plain()
+                },
+                raised(height()),
+            );
+            lab.run(4.0);
+            let moved = |lab: &Lab| match is_belt {
+                true => 0.0,
+                false => lab.world.get::<Pose>(deck).unwrap().position.x,
+            };
+            let (start, from) = (car.pose(&lab).position.x, moved(&lab));
+            lab.run(4.0);
+            let way = car.pose(&lab).position.x - start;
+            let expected = if is_belt { 4.0 } else { moved(&lab) - from };
+            assert!(
+                (way - expected).abs() < 2e-3,
+                "{way} m instead of {expected}, {is_belt}, {dt} s"
+            );
+        }
+    }
+}
+
+/// A car that drives off pushes its sled back.
+#[test]
+fn wheels_push_their_ground_as_it_pushes_them() {
+    for dt in RATES {
+        let mut lab = Lab::new();
+        lab.dt = dt;
+        let ice = Friction::new(0.0).with_rule(CombineRule::Min);
+        lab.spawn((RigidBody::Static, Collider::half_space(Vec3::Y), ice));
+        let sled = (
+            RigidBody::Dynamic,
+            Collider::cuboid(4.0, 0.2, 20.0),
+            Mass(3000.0),
+            ice,
+        );
+        let sled = lab.spawn((sled, raised(0.1)));
+        let car = car(&mut lab, plain(), raised(0.2 + height()));
+        lab.run(3.0);
+        car.each(&mut lab, |_, wheel| wheel.engine = 150.0);
+        lab.run(1.5);
+        let speed = lab.world.get::<Velocity>(sled).unwrap().linear.z;
+        let momentum = [MASS * car.speed(&lab).z, 3000.0 * speed];
+        assert!(momentum[1] > 1000.0, "{momentum:?}");
+        assert!(
+            (momentum[0] / momentum[1] + 1.0).abs() < 0.01,
+            "{momentum:?}, {dt} s"
+        );
+    }
+}
+
+#[test]
+fn a_car_stands_on_a_lorry_that_brakes() {
+    for dt in RATES {
+        let mut lab = flat(dt);
+        let lorry = (
+            RigidBody::Dynamic,
+            Collider::cuboid(2.4, 0.4, 9.0),
+            Mass(8000.0),
+            raised(1.0),
+        );
+        let lorry = lab.spawn(lorry);
+        let mut wheels = Vec::new();
+        for (x, z) in [(-1.0, -3.0), (1.0, -3.0), (-1.0, 3.0), (1.0, 3.0)] {
+            let place = Transform::from_xyz(x, -0.1, z);
+            wheels.push(lab.spawn((
+                Wheel {
+                    radius: 0.5,
+                    ..plain()
+                },
+                ChildOf(lorry),
+                place,
+            )));
+        }
+        let car = car(
+            &mut lab,
+            Wheel {
+                brake: 3000.0,
+                ..plain()
+            },
+            raised(1.2 + height()),
+        );
+        lab.run(4.0);
+        let local = |lab: &Lab| {
+            let under = *lab.world.get::<Pose>(lorry).unwrap();
+            under.inverse_transform_point(car.pose(lab).position)
+        };
+        let before = local(&lab);
+        let loads = wheels
+            .iter()
+            .map(|wheel| lab.world.get::<WheelState>(*wheel).unwrap().load);
+        let load: f32 = loads.sum();
+        assert!((load / (9200.0 * G) - 1.0).abs() < 0.02, "{load}, {dt} s");
+        for wheel in &wheels {
+            lab.world.get_mut::<Wheel>(*wheel).unwrap().engine = 1500.0;
+        }
+        lab.run(3.0);
+        assert!(car.speed(&lab).z < -3.5, "{}", car.speed(&lab));
+        for wheel in &wheels {
+            let mut wheel = lab.world.get_mut::<Wheel>(*wheel).unwrap();
+            (wheel.engine, wheel.brake) = (0.0, 4000.0);
+        }
+        lab.run(6.0);
+        let way = (local(&lab) - before).length();
+        assert!(way < 0.02, "it moved by {way} m on the lorry, {dt} s");
+        assert!(
+            car.speed(&lab).length() < 1e-3 && car.sleeps(&lab),
+            "{dt} s"
+        );
+    }
+}
+
+/// A body that lies on the ground and has a wheel beside it does not slip, and sleeps.
+#[test]
+fn a_wheel_on_a_body_that_lies_does_not_keep_it_awake() {
+    for dt in RATES {
+        let mut lab = flat(dt);
+        let body = lab.cube(Vec3::Y * 0.5);
+        let wheel = lab.spawn((
+            Wheel::default(),
+            ChildOf(body),
+            Transform::from_xyz(0.8, 0.2, 0.0),
+        ));
+        lab.run(3.0);
+        let state = lab.world.get::<WheelState>(wheel).unwrap();
+        assert!(
+            state.load > 1000.0 && state.slip.length() < 1e-4,
+            "{state:?}"
+        );
+        assert!(lab.world.get::<Sleeping>(body).unwrap().asleep, "{dt} s");
+    }
+}

@@ -53,7 +53,7 @@ fn air(world: &mut World) -> Entity {
 
 /// Gives the lower cube a wheel at its side.
 fn mount_wheel(world: &mut World, site: &Site) {
-    world.spawn((Wheel::default(), ChildOf(site.lower), at(0.8, 2.0, 0.0)));
+    world.spawn((Wheel::default(), ChildOf(site.lower), at(0.8, 0.2, 0.0)));
 }
 
 fn wheel(world: &mut World) -> Entity {

@@ -128,9 +128,9 @@ pub struct Character {
     pub climbs: bool,
     /// Factor on gravity. Default: 1.
     pub gravity_scale: f32,
-    /// Whether it crouches: its collider, an upright capsule, cylinder or cuboid, is lowered to [`crouch_height`](Self::crouch_height),
-    /// with
-    /// its feet where they were. If this is false again, it gets up as soon as there is room. Default: false.
+    /// Whether it crouches: its collider, an upright capsule, cylinder or cuboid, is lowered to
+    /// [`crouch_height`](Self::crouch_height), and its feet stay where they are. If this is false again, it gets up as soon as there is
+    /// room. Default: false.
     pub crouches: bool,
     /// Its height while it crouches, m; a capsule stays as high as it is wide. Default: 1.
     pub crouch_height: f32,

@@ -39,9 +39,8 @@ pub(super) fn add_mesh(wet: &mut Wet, mesh: &TriMesh, at: &ParryPose, around: &A
 
 /// Adds what is wet of a triangle of a closed surface, counterclockwise as seen from outside.
 ///
-/// The volume below the surface of the fluid is the sum of the tetrahedra from a point in that surface to the wet triangles, signed: the
-/// lid
-/// over the cut would add nothing.
+/// The volume below the surface of the fluid is the signed sum of the tetrahedra from a point in that surface to the wet triangles. The
+/// cut itself lies in the surface, so it would add nothing.
 #[inline]
 fn add_triangle(wet: &mut Wet, corners: [Vec3; 3], around: &Around) {
     let depths = corners.map(|corner| around.depth(corner));

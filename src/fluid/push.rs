@@ -3,19 +3,19 @@
 use super::wet::{Around, Wet};
 use super::{Fluid, FluidField, FluidPoint, FluidState};
 use crate::body::{
-    BodyIndex, BodyState, BodyTable, ExternalImpulse, Inactive, MassProperties, Pose,
-    SensorOverlap, SensorOverlaps, Simulated, Sleeping, Velocity,
+    BodyState, BodyTable, ExternalImpulse, MassProperties, Pose, SensorOverlaps, Simulated,
+    Sleeping, SpawnOrder, Velocity,
 };
 use crate::diagnosis::{BodyProblem, FoundProblems};
-use crate::sensor::Sensors;
+use crate::sensor::{PlacedZone, Sensors};
 use crate::settings::{Gravity, StepTime};
 use crate::solver::sort;
 use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
 
-/// An angular frequency of bobbing, times the length of the step and squared, up to which a body bobs as it should. Above, it bobs more
-/// slowly, so that the step is stable: up to four an explicit step is.
+/// Largest (ω Δt)² of a body that bobs with the angular frequency ω as it should. A body that would bob faster bobs more slowly: an explicit
+/// step is unstable from 4 on.
 const STIFFEST: f32 = 2.0;
 
 /// The mass of fluid that a body moves with it, as a share of the fluid that it displaces: that of a ball. Only bodies that are lighter
@@ -31,7 +31,7 @@ type Fluids<'w, 's> = Query<
     's,
     (
         Entity,
-        Ref<'static, Fluid>,
+        &'static Fluid,
         &'static mut FluidState,
         &'static SensorOverlaps,
         Option<&'static FluidField>,
@@ -42,10 +42,9 @@ type Floating<'w, 's> = Query<
     'w,
     's,
     (
-        (&'static BodyIndex, &'static Pose, &'static Velocity),
-        &'static MassProperties,
-        (&'static mut ExternalImpulse, &'static mut Sleeping),
-        Has<Inactive>,
+        (&'static Pose, &'static Velocity, &'static MassProperties),
+        &'static mut ExternalImpulse,
+        &'static mut Sleeping,
     ),
     Simulated,
 >;
@@ -57,20 +56,11 @@ pub fn push(
     mut fluids: Fluids,
     mut bodies: Floating,
     mut problems: ResMut<FoundProblems>,
-    mut order: Local<Vec<(u64, u32, Entity)>>,
+    mut pools: Local<Vec<Pool>>,
 ) {
-    order.clear();
-    order.extend(fluids.iter().filter_map(|(sensor, ..)| {
-        let (body, number) = sensors.rank_of(sensor)?;
-        Some((body.0, number, sensor))
-    }));
-    // Sums that are rounded depend on their order.
-    sort::by_key(&mut order, |(body, number, _)| (*body, *number));
-    for &(_, _, sensor) in &*order {
-        let Ok((_, fluid, mut state, inside, field)) = fluids.get_mut(sensor) else {
-            continue;
-        };
-        let (state, fluid) = (state.bypass_change_detection(), *fluid);
+    pools.clear();
+    for (sensor, fluid, mut state, inside, field) in &mut fluids {
+        let state = state.bypass_change_detection();
         if !fluid.is_valid() {
             if !state.is_reported {
                 problems.0.push((sensor, BodyProblem::InvalidFluid));
@@ -78,51 +68,54 @@ pub fn push(
             state.is_reported = true;
             continue;
         }
-        let Some(pool) = Pool::new(
-            &fluid,
-            field,
-            (&sensors, &table, sensor),
-            gravity.0,
-            time.dt,
-        ) else {
+        let Some(zone) = sensors.zone(sensor, &table) else {
             continue;
         };
-        let changed = state.known != Some(fluid) || state.surface != pool.surface;
-        state.age += time.dt;
+        let pool = Pool::new((*fluid, field), zone, gravity.0, (state.age, time.dt));
+        let changed = state.known != Some(*fluid) || state.surface != pool.surface;
+        state.age = pool.age;
         state.surface = pool.surface;
-        state.known = Some(fluid);
+        state.known = Some(*fluid);
         state.is_reported = false;
-        for parts in inside.0.chunk_by(|one, other| one.body == other.body) {
-            let Ok((motion, mass, (mut impulse, mut sleeping), is_inactive)) =
-                bodies.get_mut(parts[0].body)
-            else {
+        if changed || field.is_some() {
+            for body in inside.bodies() {
+                stir(&mut bodies, body);
+            }
+        }
+        pools.push(pool);
+    }
+    if pools.is_empty() {
+        return;
+    }
+    // Sums that are rounded depend on their order.
+    sort::by_key(&mut pools, |pool| pool.rank);
+    for (slot, body) in table.active().filter(|(_, body)| body.is_awake()) {
+        let zones = sensors.zones_of(slot);
+        for pool in pools.iter().filter(|pool| zones.contains(&pool.zone)) {
+            let Ok(((pose, velocity, mass), mut impulse, _)) = bodies.get_mut(body.entity) else {
                 continue;
             };
-            let (index, pose, velocity) = motion;
-            let body = table.get(index.0);
-            let Some(body) = body.filter(|of| of.entity == parts[0].body && of.is_dynamic()) else {
-                continue;
-            };
-            if sleeping.asleep || is_inactive {
-                if changed || field.is_some() {
-                    sleeping.wake();
-                }
-                continue;
-            }
-            if field.is_some() {
-                sleeping.bypass_change_detection().still_for = 0.0;
-            }
-            let floating = Swimmer {
+            let swimmer = Swimmer {
                 body,
                 pose,
                 velocity,
                 mass,
-                parts,
             };
-            let [linear, angular] = pool.impulse(&floating, state.age);
+            let is_inside = |part: u16| sensors.contains(pool.zone, (slot, body), part);
+            let [linear, angular] = pool.impulse(&swimmer, is_inside);
             let impulse = impulse.bypass_change_detection();
             impulse.linear += linear;
             impulse.angular += angular;
+        }
+    }
+}
+
+/// Keeps a body awake, and wakes one that sleeps.
+fn stir(bodies: &mut Floating, body: Entity) {
+    if let Ok((_, _, mut sleeping)) = bodies.get_mut(body) {
+        match sleeping.asleep {
+            true => sleeping.wake(),
+            false => sleeping.bypass_change_detection().still_for = 0.0,
         }
     }
 }
@@ -133,80 +126,73 @@ struct Swimmer<'a> {
     pose: &'a Pose,
     velocity: &'a Velocity,
     mass: &'a MassProperties,
-    /// Its colliders in the fluid.
-    parts: &'a [SensorOverlap],
-}
-
-impl Swimmer<'_> {
-    /// Whether a piece of its shape belongs to a collider in the fluid.
-    fn is_inside(&self, piece: u32) -> bool {
-        let parts = self.body.parts.as_ref();
-        parts
-            .filter(|parts| parts.has_pieces())
-            .is_none_or(|parts| {
-                let collider = self.body.collider_entity(parts.owner(piece));
-                self.parts.iter().any(|part| part.collider == collider)
-            })
-    }
 }
 
 /// A fluid in this step.
-struct Pool<'a> {
-    fluid: &'a Fluid,
-    field: Option<&'a FluidField>,
+#[derive(Debug)]
+pub struct Pool {
+    fluid: Fluid,
+    field: Option<FluidField>,
+    /// The zone of its sensor, and the place of that in the order of all.
+    zone: u32,
+    rank: (SpawnOrder, u32),
     gravity: Vec3,
     /// Unit vector against gravity.
     up: Vec3,
     surface: f32,
+    /// Simulated time since it came in, s.
+    age: f32,
     dt: f32,
 }
 
-impl<'a> Pool<'a> {
+impl Pool {
     fn new(
-        fluid: &'a Fluid,
-        field: Option<&'a FluidField>,
-        (sensors, table, sensor): (&Sensors, &BodyTable, Entity),
+        (fluid, field): (Fluid, Option<&FluidField>),
+        of: PlacedZone,
         gravity: Vec3,
-        dt: f32,
-    ) -> Option<Self> {
-        let (place, shape) = sensors.placed(sensor, table)?;
+        (age, dt): (f32, f32),
+    ) -> Self {
         let up = (-gravity).normalize_or(Vec3::Y);
-        let top = || match shape.shape().as_halfspace() {
+        let (place, shape) = (of.place, of.shape.shape());
+        let top = || match shape.as_halfspace() {
             Some(_) => place.translation.dot(up),
             None => {
                 let upright = Quat::from_rotation_arc(up, Vec3::Y);
                 let upright = ParryPose::from_parts(Vec3::ZERO, upright);
-                shape.shape().compute_aabb(&(upright * place)).maxs.y
+                shape.compute_aabb(&(upright * place)).maxs.y
             }
         };
-        Some(Self {
+        Self {
+            surface: fluid.level.unwrap_or_else(top),
             fluid,
-            field,
+            field: field.cloned(),
+            zone: of.number,
+            rank: of.rank,
             gravity,
             up,
-            surface: fluid.level.unwrap_or_else(top),
+            age: age + dt,
             dt,
-        })
+        }
     }
 
     /// The surface at a place, and how steep it is: the change of its height along the horizon.
-    fn surface_at(&self, place: Vec3, step: f32, age: f32) -> (FluidPoint, Vec3) {
-        let Some(field) = self.field else {
+    fn surface_at(&self, place: Vec3, step: f32) -> (FluidPoint, Vec3) {
+        let Some(field) = &self.field else {
             return (FluidPoint::default(), Vec3::ZERO);
         };
         let (x, y) = self.up.any_orthonormal_pair();
-        let rise = |way: Vec3| field.at(place + way, age).rise;
+        let rise = |way: Vec3| field.at(place + way, self.age).rise;
         let slope = |way: Vec3| (rise(step * way) - rise(-step * way)) / (2.0 * step) * way;
         let slope = slope(x) + slope(y);
-        let point = field.at(place, age);
+        let point = field.at(place, self.age);
         match point.rise.is_finite() && point.flow.is_finite() && slope.is_finite() {
             true => (point, slope),
             false => (FluidPoint::default(), Vec3::ZERO),
         }
     }
 
-    /// The impulse and angular impulse on a body in the step.
-    fn impulse(&self, of: &Swimmer, age: f32) -> [Vec3; 2] {
+    /// The impulse and angular impulse on a body in the step. Parts of it are in the fluid, by their numbers.
+    fn impulse(&self, of: &Swimmer, is_inside: impl Fn(u16) -> bool) -> [Vec3; 2] {
         let Some(collider) = of.body.collider.as_ref() else {
             return [Vec3::ZERO; 2];
         };
@@ -219,44 +205,46 @@ impl<'a> Pool<'a> {
         let mut sum = Sum::default();
         let compound = collider.shape().as_compound();
         let pieces = compound.map_or(1, |compound| compound.shapes().len() as u32);
-        for piece in (0..pieces).filter(|piece| of.is_inside(*piece)) {
+        for piece in (0..pieces).filter(|&piece| is_inside(of.body.part_of(piece))) {
             let place = match compound {
                 Some(compound) => {
                     let (local, shape) = &compound.shapes()[piece as usize];
-                    center + shape.compute_aabb(&(at * *local)).center()
+                    shape.compute_aabb(&(at * *local)).center()
                 }
-                None => center,
+                None => Vec3::ZERO,
             };
-            let step = (SLOPE_SHARE * of.body.radius).max(LEAST_SLOPE_STEP);
-            let (point, slope) = self.surface_at(place, step, age);
-            let flow = self.fluid.flow + point.flow;
-            let normal = (self.up - slope).normalize();
-            let height = self.surface + point.rise;
-            let on_surface = place + (height - place.dot(self.up)) * self.up - center;
-            let offset = normal.dot(on_surface);
-            let around = Around {
-                normal,
-                offset,
-                // Anywhere in the surface if that cuts the body, and near the body otherwise, where rounding is small.
-                origin: if offset.abs() < of.body.radius {
-                    offset
-                } else {
-                    0.0
-                } * normal,
-                velocity: Velocity {
-                    linear: of.velocity.linear - flow,
-                    angular: of.velocity.angular,
-                },
-                pressure: 0.5 * self.fluid.density * self.fluid.drag,
-            };
+            let (around, slope, flow) = self.around(of, center, place);
             let mut wet = Wet::default();
-            match compound {
-                Some(_) => wet.add_piece(collider, piece, &at, &around),
-                None => wet.add_collider(collider, &at, &around),
-            }
+            wet.add_piece(collider, piece, &at, &around);
             sum.add(&wet, self.up - slope, flow);
         }
         self.sum_up(of, &sum)
+    }
+
+    /// The fluid around a piece that is at `place` from the centre of mass, with the slope of its surface and its velocity there.
+    fn around(&self, of: &Swimmer, center: Vec3, place: Vec3) -> (Around, Vec3, Vec3) {
+        let step = (SLOPE_SHARE * of.body.radius).max(LEAST_SLOPE_STEP);
+        let (point, slope) = self.surface_at(center + place, step);
+        let flow = self.fluid.flow + point.flow;
+        let normal = (self.up - slope).normalize();
+        let depth = self.surface + point.rise - (center + place).dot(self.up);
+        let offset = normal.dot(place + depth * self.up);
+        // In the surface if that cuts the body, and otherwise near the body, where rounding is small.
+        let origin = match offset.abs() < of.body.radius {
+            true => offset * normal,
+            false => Vec3::ZERO,
+        };
+        let around = Around {
+            normal,
+            offset,
+            origin,
+            velocity: Velocity {
+                linear: of.velocity.linear - flow,
+                angular: of.velocity.angular,
+            },
+            pressure: 0.5 * self.fluid.density * self.fluid.drag,
+        };
+        (around, slope, flow)
     }
 
     fn sum_up(&self, of: &Swimmer, sum: &Sum) -> [Vec3; 2] {

@@ -73,28 +73,17 @@ impl Wet {
         self.torque += part.torque;
     }
 
-    /// Adds a shape in its place. Surfaces without an inside displace nothing.
-    pub fn add_collider(&mut self, collider: &Collider, at: &ParryPose, around: &Around) {
-        if let Some(hull) = collider.polyhedron() {
-            return clip::add_hull(self, hull, at, around);
-        }
-        let shape = collider.shape();
-        let Some(compound) = shape.as_compound() else {
-            return self.add_shape(shape, at, around);
-        };
-        for i in 0..compound.shapes().len() as u32 {
-            self.add_piece(collider, i, at, around);
-        }
-    }
-
-    /// Adds a piece of a compound.
+    /// Adds a piece of a compound, or the only piece of another shape, which is number 0. `at` is the place of the whole shape. Surfaces
+    /// without an inside displace nothing.
     pub fn add_piece(&mut self, collider: &Collider, piece: u32, at: &ParryPose, around: &Around) {
-        let compound = collider.shape().as_compound();
-        let Some((local, shape)) = compound.and_then(|of| of.shapes().get(piece as usize)) else {
-            return;
+        let (at, shape, hull) = match collider.shape().as_compound() {
+            None => (*at, collider.shape(), collider.polyhedron()),
+            Some(compound) => {
+                let (local, shape) = &compound.shapes()[piece as usize];
+                (*at * *local, shape, collider.part_polyhedron(piece))
+            }
         };
-        let at = *at * *local;
-        match collider.part_polyhedron(piece) {
+        match hull {
             Some(hull) => clip::add_hull(self, hull, &at, around),
             None => self.add_shape(shape, &at, around),
         }
@@ -151,6 +140,19 @@ pub(super) fn ball_volume(radius: f32) -> f32 {
 mod tests {
     use super::*;
     use glam::Quat;
+
+    /// What is wet of a shape.
+    fn wet(shape: &Collider, at: &ParryPose, around: &Around) -> Wet {
+        let mut wet = Wet::default();
+        let pieces = shape
+            .shape()
+            .as_compound()
+            .map_or(1, |of| of.shapes().len());
+        for piece in 0..pieces as u32 {
+            wet.add_piece(shape, piece, at, around);
+        }
+        wet
+    }
 
     /// Volume below the surface and its centroid, by a fine grid.
     fn counted(shape: &Collider, at: &ParryPose, around: &Around) -> (f32, Vec3) {
@@ -221,8 +223,7 @@ mod tests {
                         velocity: Velocity::default(),
                         pressure: 0.0,
                     };
-                    let mut wet = Wet::default();
-                    wet.add_collider(shape, &at, &around);
+                    let wet = wet(shape, &at, &around);
                     let (volume, center) = counted(shape, &at, &around);
                     let case =
                         format!("{name} {turn:?} {offset}: {wet:?}, counted {volume} {center}");
@@ -245,7 +246,7 @@ mod tests {
     /// A plate across the flow has the coefficient 1, a ball ½, a cylinder ⅔ across and 1 along.
     #[test]
     fn drag_coefficients_are_those_of_newton() {
-        let wet = |shape: &Collider, turn: Quat, flow: Vec3| {
+        let dragged = |shape: &Collider, turn: Quat, flow: Vec3| {
             let around = Around {
                 normal: Vec3::Y,
                 offset: 10.0,
@@ -253,29 +254,27 @@ mod tests {
                 velocity: Velocity::linear(flow),
                 pressure: 0.5,
             };
-            let mut wet = Wet::default();
-            wet.add_collider(shape, &ParryPose::from_parts(Vec3::ZERO, turn), &around);
-            wet
+            wet(shape, &ParryPose::from_parts(Vec3::ZERO, turn), &around)
         };
         let turn = Quat::from_rotation_y(0.3);
         let close = |a: Vec3, b: Vec3| (a - b).length() < 1e-3 * b.length();
-        let plate = wet(&Collider::cuboid(0.1, 2.0, 3.0), turn, turn * Vec3::X * 2.0);
+        let plate = dragged(&Collider::cuboid(0.1, 2.0, 3.0), turn, turn * Vec3::X * 2.0);
         assert!(
             close(plate.force, turn * Vec3::X * -0.5 * 4.0 * 6.0),
             "{plate:?}"
         );
-        let ball = wet(&Collider::ball(0.5), turn, Vec3::Z * 2.0);
+        let ball = dragged(&Collider::ball(0.5), turn, Vec3::Z * 2.0);
         assert!(
             close(ball.force, Vec3::Z * -0.25 * 4.0 * PI * 0.25),
             "{ball:?}"
         );
         let roll = Collider::cylinder(0.5, 3.0);
-        let across = wet(&roll, turn, Vec3::X * 2.0);
+        let across = dragged(&roll, turn, Vec3::X * 2.0);
         assert!(
             close(across.force, Vec3::X * -0.5 * 4.0 * 3.0 * 2.0 / 3.0),
             "{across:?}"
         );
-        let along = wet(&roll, turn, Vec3::Y * 2.0);
+        let along = dragged(&roll, turn, Vec3::Y * 2.0);
         assert!(
             close(along.force, Vec3::Y * -0.5 * 4.0 * PI * 0.25),
             "{along:?}"
@@ -283,7 +282,7 @@ mod tests {
         // A fine mesh of a ball drags like the ball.
         let (points, triangles) = parry3d::shape::Ball::new(0.5).to_trimesh(64, 64);
         let mesh = Collider::trimesh(points, triangles).unwrap();
-        let mesh = wet(&mesh, turn, Vec3::Z * 2.0);
+        let mesh = dragged(&mesh, turn, Vec3::Z * 2.0);
         assert!((mesh.force.z / ball.force.z - 1.0).abs() < 0.01, "{mesh:?}");
     }
 }

@@ -105,9 +105,8 @@ impl Found {
     }
 }
 
-/// The components of `bevy_gltf` with extras: of nodes and parts of meshes, of the material of a part, of the whole mesh. The first that
-/// says
-/// something decides.
+/// The components of `bevy_gltf` with extras: of nodes and parts of meshes, of the material of a part, of the whole mesh. The first one
+/// that says something decides.
 const COMPONENTS: [&str; 3] = ["GltfExtras", "GltfMaterialExtras", "GltfMeshExtras"];
 
 /// The text of a component with extras, if the entity has it.

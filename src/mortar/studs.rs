@@ -1,8 +1,8 @@
 //! Part of the stage *narrowphase*: clicks bricks with [`Studs`] together.
 
 use super::lay::{Bond, MAX_SPEED, bond, reach};
-use crate::body::{BodyIndex, BodyState, BodyTable};
-use crate::components::{holders_in, remove};
+use crate::body::{BodyState, BodyTable};
+use crate::components::remove;
 use crate::graph::{ConstraintGraph, EdgeKind};
 use crate::joint_types::{Patch, Studs};
 use crate::pair::{ContactImpulses, ContactPair, Manifold};
@@ -20,46 +20,31 @@ const SLACK: f32 = 0.15;
 /// Smaller patches than this share of the place of a stud hold nothing.
 const LEAST_STUD: f32 = 0.5;
 
-/// Clicks bricks together that were spawned on each other, or are pressed together.
+/// Clicks bricks together that were spawned on each other, or are pressed together. Only bricks that are active are looked at.
 pub fn click_studs(world: &mut World) {
-    let all = [
-        Components::component_id::<Studs>,
-        Components::component_id::<BodyIndex>,
-    ];
-    let mut found: Vec<(Entity, u32, Studs)> = Vec::new();
-    for brick in holders_in(world, &all) {
-        let of = world.entity(brick);
-        if let (Some(index), Some(studs)) = (of.get::<BodyIndex>(), of.get::<Studs>()) {
-            found.push((brick, index.0, *studs));
+    let table = world.resource::<BodyTable>();
+    let mut bricks: Vec<(Entity, u32, Studs)> = Vec::new();
+    let mut invalid = Vec::new();
+    for (slot, body) in table.active() {
+        match world.get::<Studs>(body.entity) {
+            Some(studs) if !studs.is_valid() => invalid.push((body.entity, *studs)),
+            Some(studs) if body.is_awake() => bricks.push((body.entity, slot, *studs)),
+            _ => (),
         }
     }
-    found.retain(|(brick, _, studs)| match studs.is_valid() {
-        true => true,
-        false => {
-            tracing::error!(
-                "the studs of {brick} are removed: their pitch must be more than zero, and their forces not less: {studs:?}"
-            );
-            remove(world, *brick, &[Components::component_id::<Studs>]);
-            false
-        }
-    });
-    let table = world.resource::<BodyTable>();
-    found.retain(|(brick, slot, studs)| {
-        let body = table.get(*slot).filter(|body| body.entity == *brick);
-        body.is_some_and(|body| may_click(body, studs))
-    });
-    let bonds = find(world, &found);
-    for (brick, ..) in found.iter().filter(|(_, _, studs)| !studs.laid) {
+    for (brick, studs) in invalid {
+        tracing::error!(
+            "the studs of {brick} are removed: their pitch must be more than zero, and their forces not less: {studs:?}"
+        );
+        remove(world, brick, &[Components::component_id::<Studs>]);
+    }
+    let bonds = find(world, &bricks);
+    for (brick, ..) in bricks.iter().filter(|(_, _, studs)| !studs.laid) {
         if let Some(mut studs) = world.get_mut::<Studs>(*brick) {
             studs.bypass_change_detection().laid = true;
         }
     }
     bond(world, bonds);
-}
-
-/// Whether the brick is new or moves.
-fn may_click(body: &BodyState, studs: &Studs) -> bool {
-    body.is_dynamic() && (!body.asleep || !studs.laid)
 }
 
 /// The patches at which bricks click onto others, in spawn order.
@@ -78,11 +63,11 @@ fn find(world: &World, bricks: &[(Entity, u32, Studs)]) -> Vec<Bond> {
                 continue;
             };
             let studs = pair.bodies.map(|of| world.get::<Studs>(of));
-            let [Some(a), Some(b)] = studs else {
+            let [Some(a), Some(b)] = studs.map(|of| of.filter(|studs| studs.is_valid())) else {
                 continue;
             };
             // A pair that is found from both is taken from the first.
-            if pair.bodies[0] != brick && may_click(bodies[0], a) {
+            if pair.bodies[0] != brick && bodies[0].is_awake() {
                 continue;
             }
             let contact = (

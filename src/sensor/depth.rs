@@ -49,11 +49,17 @@ impl SensorDepths<'_, '_> {
     /// inside.
     pub fn depth(&self, sensor: Entity, collider: Entity) -> Option<f32> {
         let content = self.sensors.content(sensor, collider)?;
-        let (place, zone) = self.sensors.placed(sensor, &self.table)?;
+        let zone = self.sensors.zone(sensor, &self.table)?;
         let body = self.table.get(content.slot)?;
         let pose = self.poses.get(body.entity).ok()?.to_parry();
         let depth = |(at, shape): (_, &parry3d::shape::SharedShape)| {
-            let found = contact(&place, &**zone.shape(), &(pose * at), &**shape, 0.0);
+            let found = contact(
+                &zone.place,
+                &**zone.shape.shape(),
+                &(pose * at),
+                &**shape,
+                0.0,
+            );
             found.ok().flatten().map_or(0.0, |found| -found.dist)
         };
         let depths = body.pieces_of(content.part).map(depth);

@@ -64,4 +64,5 @@ pub use depth::{SensorDepths, sensor_depth};
 pub(crate) use events::trigger;
 pub use events::{SensorEntered, SensorExited, UntriggeredSensorEvents};
 pub use stage::sensors;
+pub(crate) use zones::PlacedZone;
 pub use zones::Sensors;

@@ -83,6 +83,16 @@ impl Tracked {
     }
 }
 
+/// A zone where its body was in the last step.
+pub(crate) struct PlacedZone<'a> {
+    pub number: u32,
+    /// Its place in the order in which sensors report.
+    pub rank: (SpawnOrder, u32),
+    /// Its place in the world.
+    pub place: ParryPose,
+    pub shape: &'a Collider,
+}
+
 /// The sensors of all bodies, and what is inside them.
 #[derive(Resource, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -155,20 +165,30 @@ impl Sensors {
         self.zones.get(zone as usize)?.as_ref()
     }
 
-    /// The order of a sensor among all, if it is known.
-    pub(crate) fn rank_of(&self, sensor: Entity) -> Option<(SpawnOrder, u32)> {
-        self.get(self.find(sensor)?).map(Tracked::rank)
+    /// The zone of a sensor as it was in the last step, if it is known.
+    pub(crate) fn zone<'a>(&self, sensor: Entity, table: &'a BodyTable) -> Option<PlacedZone<'a>> {
+        let number = self.find(sensor)?;
+        let tracked = self.get(number)?;
+        let (_, zone) = tracked.of(table)?;
+        Some(PlacedZone {
+            number,
+            rank: tracked.rank(),
+            place: placed(zone, tracked.pose),
+            shape: &zone.shape,
+        })
     }
 
-    /// Where a sensor was in the last step, and its shape.
-    pub(crate) fn placed<'a>(
-        &self,
-        sensor: Entity,
-        table: &'a BodyTable,
-    ) -> Option<(ParryPose, &'a Collider)> {
-        let tracked = self.get(self.find(sensor)?)?;
-        let (_, zone) = tracked.of(table)?;
-        Some((placed(zone, tracked.pose), &zone.shape))
+    /// The zones that the body in a slot is inside.
+    pub(crate) fn zones_of(&self, slot: u32) -> &[u32] {
+        self.inside.get(&slot).map_or(&[], SmallVec::as_slice)
+    }
+
+    /// Whether a part of a body is inside a zone.
+    pub(crate) fn contains(&self, zone: u32, (slot, body): (u32, &BodyState), part: u16) -> bool {
+        let wanted = (body.spawn_order, part, slot);
+        let place = |content: &Content| (content.spawn_order, content.part, content.slot);
+        self.get(zone)
+            .is_some_and(|zone| zone.contents.binary_search_by_key(&wanted, place).is_ok())
     }
 
     /// What a sensor knows of a collider that is inside.

@@ -1,6 +1,6 @@
 //! Simple shapes that fit a set of points (feature `mesh`): a box along the axes, and a ball, capsule or cylinder about its middle.
 
-use super::{Collider, ColliderError};
+use super::{Collider, ColliderError, octant};
 use crate::body::limits;
 use glam::{Quat, Vec3};
 use parry3d::shape::SharedShape;
@@ -35,8 +35,8 @@ impl Bounds {
         if self.is_centered() {
             return Ok(Collider::cuboid(x, y, z));
         }
-        let signs = |i: i32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5;
-        let corners: Vec<Vec3> = (0..8).map(|i| self.center + signs(i) * self.size).collect();
+        let corner = |i: usize| self.center + 0.5 * octant(i) * self.size;
+        let corners: Vec<Vec3> = (0..8).map(corner).collect();
         Collider::convex_hull(&corners)
     }
 

@@ -1,7 +1,10 @@
 //! The studs of toy bricks.
 
 use super::Mortar;
+use crate::body::Sleeping;
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 #[cfg(feature = "bevy_reflect")]
 use bevy_reflect::Reflect;
 
@@ -26,6 +29,7 @@ const SHEAR: f32 = 20.0;
     reflect(bevy_reflect::Serialize, bevy_reflect::Deserialize)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[component(on_insert = laid)]
 pub struct Studs {
     /// Distance from stud to stud, m.
     pub pitch: f32,
@@ -35,6 +39,16 @@ pub struct Studs {
     pub press: f32,
     /// Whether the brick has taken a step: afterwards it clicks only when it is pressed.
     pub(crate) laid: bool,
+}
+
+/// Hook of [`Studs`]: new studs click onto those that they touch, also on a body that sleeps.
+fn laid(mut world: DeferredWorld, context: HookContext) {
+    let is_new = world
+        .get::<Studs>(context.entity)
+        .is_some_and(|studs| !studs.laid);
+    if is_new && let Some(mut sleeping) = world.get_mut::<Sleeping>(context.entity) {
+        sleeping.wake();
+    }
 }
 
 impl Studs {

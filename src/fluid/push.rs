@@ -14,8 +14,8 @@ use bevy_ecs::prelude::*;
 use glam::{Quat, Vec3};
 use parry3d::math::Pose as ParryPose;
 
-/// Largest (ω Δt)² of a body that bobs with the angular frequency ω as it should. A body that would bob faster bobs more slowly: an explicit
-/// step is unstable from 4 on.
+/// Largest (ω Δt)² of a body that bobs with the angular frequency ω as it should. A body that would bob faster bobs more slowly: an
+/// explicit step is unstable from 4 on.
 const STIFFEST: f32 = 2.0;
 
 /// The mass of fluid that a body moves with it, as a share of the fluid that it displaces: that of a ball. Only bodies that are lighter

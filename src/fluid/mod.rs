@@ -95,7 +95,7 @@ impl Plugin for FluidPlugin {
 }
 
 /// Fills a collider with a fluid that lifts and drags the bodies inside; see the [module](self). The collider becomes a
-/// [`Sensor`](crate::sensor::Sensor). The default is still water.
+/// [`Sensor`]. The default is still water.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy_reflect",
@@ -187,7 +187,7 @@ pub struct FluidState {
     is_reported: bool,
 }
 
-/// Hook of [`Fluid`]: what floated sinks.
+/// Hook of [`Fluid`]: wakes what floated in it.
 fn drained(mut world: DeferredWorld, context: HookContext) {
     let inside = world.get::<SensorOverlaps>(context.entity);
     let inside: Vec<Entity> = inside.map_or_else(Vec::new, |inside| inside.bodies().collect());

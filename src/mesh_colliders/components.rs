@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 /// Makes colliders from the mesh of this entity and from the meshes of all entities below it; see the [module](super). Default: surfaces.
 ///
-/// It acts on meshes that have no collider yet. To remove it takes no collider away. A change of its fields holds for meshes that come
+/// It acts on meshes that have no collider yet. Removing it takes no collider away. A change of its fields holds for meshes that come
 /// later; insert it again to apply it to those that are there and have no collider.
 #[derive(Component, Clone, Debug, PartialEq)]
 #[cfg_attr(
@@ -17,7 +17,7 @@ use std::collections::HashMap;
     reflect(Component, Debug, Default)
 )]
 pub struct MeshColliders {
-    /// The shape of meshes of which nothing else is said. `None`: they get no collider. Default: [`MeshShape::Surface`].
+    /// The shape of meshes that no name and no extras describe. `None`: they get no collider. Default: [`MeshShape::Surface`].
     pub shape: Option<MeshShape>,
     /// The shapes of entities with these `Name`s, and of those below them. `None`: they get no collider. Default: none.
     pub by_name: HashMap<String, Option<MeshShape>>,

@@ -56,7 +56,7 @@ impl Found {
     }
 
     fn read(&mut self, entity: Entity, text: &str) -> Result<Option<Option<MeshShape>>, String> {
-        // Extras are any JSON. What is no object is not ours.
+        // Extras are any JSON. Only an object can have our properties.
         let Ok(Value::Object(all)) = serde_json::from_str(text) else {
             return Ok(None);
         };

@@ -287,7 +287,7 @@ fn bodies_sink_with_the_speed_at_which_drag_bears_them() {
     }
 }
 
-/// A block of half the density of water cannot float upright: of a cube a corner points up, of a tall one the side.
+/// A tall block of half the density of water lies down on its side. A flat one rights itself.
 #[test]
 fn what_is_too_tall_tips_over() {
     let (mut lab, _) = lake(Fluid::water());

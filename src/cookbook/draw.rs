@@ -85,13 +85,14 @@ impl Picture {
         ));
         self.line(format!("{panel} fill=\"#e8eef4\" stroke=\"none\"></rect>"));
         // Water is drawn over what is in it, and air is not.
+        let mut parts = parts(world);
         let density = |body: Entity| world.get::<Fluid>(body).map(|fluid| fluid.density);
         let is_air = |body: Entity| density(body).is_some_and(|density| density < 10.0);
-        let mut parts = parts(world);
         parts.retain(|part| !is_air(part.0));
-        // By centimetres: what stands beside each other stays in order, whatever the last bits are.
+        // By centimetres: what stands beside each other stays in order, whatever the last bits are. A query's order is
+        // that of the archetypes, which changes with the library.
         let depth = |pose: &Pose| (100.0 * pose.position.z).round() as i32;
-        parts.sort_by_key(|part| (density(part.0).is_some(), depth(&part.1)));
+        parts.sort_by_key(|part| (density(part.0).is_some(), depth(&part.1), part.0));
         for (body, pose, kind, collider) in parts {
             let color = self.colors.get(&body).copied().unwrap_or(match kind {
                 _ if density(body).is_some() => "#4f8fd070",

@@ -73,7 +73,7 @@
 //! # Questions about the world
 //!
 //! Each question has a system parameter and a function. Use the parameter in a system, and the function where you have the world.
-//! [`refresh`] makes edits since the last step visible to queries.
+//! Queries see edits from the next frame on; [`refresh`] makes them visible in the same frame.
 //!
 //! | question | in a system | with a world |
 //! |---|---|---|

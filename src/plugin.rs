@@ -507,12 +507,12 @@ impl Plugin for ContactEventsPlugin {
     }
 }
 
-/// Adds the [`RefreshSchedule`], and runs it in every frame in which virtual time or [`PhysicsTime`] is paused, so that queries find bodies
-/// that were spawned or moved since the last step.
+/// Adds the [`RefreshSchedule`], and runs it in `PreUpdate` of every frame, so that queries find bodies that were spawned or moved since the
+/// last step.
 #[derive(Debug)]
 pub struct RefreshPlugin;
 
-/// The system set in `PreUpdate` that runs [`refresh`](crate::refresh()) while virtual time or [`PhysicsTime`] is paused.
+/// The system set in `PreUpdate` that runs [`refresh`](crate::refresh()).
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct RefreshSystems;
 
@@ -538,21 +538,13 @@ impl Plugin for RefreshPlugin {
             .add_systems(
                 PreUpdate,
                 // A system that edits in the same schedule and wants its edits seen at once must run before the set.
-                refresh
-                    .run_if(time_stands_still)
-                    .in_set(RefreshSystems)
-                    .ambiguous_with_all(),
+                refresh.in_set(RefreshSystems).ambiguous_with_all(),
             );
     }
 
     fn finish(&self, app: &mut App) {
         check_step_plugin::<Self>(app);
     }
-}
-
-fn time_stands_still(time: Option<Res<Time<Virtual>>>, physics: Option<Res<PhysicsTime>>) -> bool {
-    time.is_some_and(|time| time.delta().is_zero())
-        || physics.is_some_and(|physics| physics.stands_still())
 }
 
 #[cfg(test)]

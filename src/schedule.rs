@@ -315,10 +315,10 @@ fn all_systems(world: &World, holds: impl Fn(&ScheduleSystem, bool) -> bool) -> 
 /// the last step, and finds bodies that were moved or changed as they are now. Nothing moves, and the simulation continues with the same
 /// bits as without the refresh.
 ///
-/// The plugin does this in `PreUpdate` in every frame in which virtual time is paused. To query in the frame of an edit, call it
-/// yourself: it is a system, and belongs between the system that edits and the one that queries. It runs the [`RefreshSchedule`]. Its
-/// cost is proportional to the number of bodies that are awake or were changed. Without [`StepPlugin`](crate::StepPlugin) or
-/// [`RefreshPlugin`](crate::RefreshPlugin) it only logs an error.
+/// The plugin does this in `PreUpdate` of every frame, and [`spatial_query`](crate::query::spatial_query) does it before it asks. What
+/// remains is a system that queries in the frame of an edit: put this function, which is a system, between the two. It runs the
+/// [`RefreshSchedule`]. Its cost is proportional to the number of bodies that are awake or were changed: about a hundredth of a step.
+/// Without [`StepPlugin`](crate::StepPlugin) or [`RefreshPlugin`](crate::RefreshPlugin) it only logs an error.
 ///
 /// ```
 /// # use bevy_app::{App, Update};
@@ -335,6 +335,15 @@ pub fn refresh(world: &mut World) {
         tracing::error!("nothing is refreshed: `StepPlugin` is missing");
     } else if world.try_run_schedule(RefreshSchedule).is_err() {
         tracing::error!("nothing is refreshed: `RefreshPlugin` is missing");
+    }
+}
+
+/// Updates spatial queries, unless a step is running or [`RefreshPlugin`](crate::RefreshPlugin) is missing.
+pub(crate) fn refresh_between_steps(world: &mut World) {
+    // The world does not have a schedule that is running.
+    let schedules = world.get_resource::<Schedules>();
+    if schedules.is_some_and(|schedules| schedules.contains(PhysicsSchedule)) {
+        _ = world.try_run_schedule(RefreshSchedule);
     }
 }
 

@@ -121,7 +121,6 @@ fn repair(world: &mut World) {
                 continue;
             }
         }
-        drystone::refresh(world);
         repaired += 1;
     }
     world.resource_mut::<Tally>().repaired += repaired;

@@ -2,9 +2,9 @@
 //!
 //! [`SpatialQuery`] is the system parameter, and [`spatial_query`] the function for code that has a world. Queries use the tree of the
 //! [`broadphase`](crate::broadphase). They see bodies at their poses after the last step, with the shapes and layers of that step.
-//! Despawned bodies are no longer found. Bodies that were spawned, changed or moved since then are found as they are now after the next
-//! step or [`refresh`](crate::refresh()), whichever comes first; the plugin refreshes in every frame in which time is paused. If two hits
-//! have the same distance, their order is arbitrary but the same in every run.
+//! Despawned bodies are no longer found. Bodies that were spawned, changed or moved since then are found as they are now from the next
+//! frame on, in which the plugin [refreshes](crate::refresh()) queries. To find them in the same frame, put [`refresh`](crate::refresh())
+//! between the two systems. If two hits have the same distance, their order is arbitrary but the same in every run.
 //!
 //! ```
 //! use bevy_ecs::prelude::*;
@@ -99,7 +99,8 @@ struct Target<'a> {
 
 /// Asks spatial queries of a world outside of a system: calls `ask` with a [`SpatialQuery`] and returns its result.
 ///
-/// Each call builds the parameter anew, which takes some microseconds: ask several questions in one closure.
+/// It finds all bodies as they are now: each call [refreshes](crate::refresh()) the world, unless a step is running, and builds the
+/// parameter. So ask several questions in one closure.
 ///
 /// ```
 /// # use bevy_transform::components::Transform;
@@ -107,9 +108,8 @@ struct Target<'a> {
 /// # let mut app = bevy_app::App::new();
 /// # app.add_plugins(DrystonePlugins::default());
 /// # let world = app.world_mut();
-/// # let ball = (RigidBody::Static, Collider::ball(0.5), Transform::from_xyz(0.0, 2.0, 0.0));
-/// # let ball = world.spawn(ball).id();
-/// # drystone::step(world, 1.0 / 60.0).unwrap();
+/// let ball = (RigidBody::Static, Collider::ball(0.5), Transform::from_xyz(0.0, 2.0, 0.0));
+/// let ball = world.spawn(ball).id();
 /// let here = Vec3::new(0.1, 2.1, 0.0);
 /// let bodies = spatial_query(world, |query| query.bodies_at(here, &QueryFilter::default()));
 /// assert_eq!(bodies, Ok(vec![ball]));
@@ -118,6 +118,7 @@ struct Target<'a> {
 /// # Panics
 /// If [`StepPlugin`](crate::StepPlugin) was not added.
 pub fn spatial_query<R>(world: &mut World, ask: impl FnOnce(SpatialQuery) -> R) -> R {
+    crate::schedule::refresh_between_steps(world);
     crate::ask::ask::<SpatialQuery, R>(world, ask)
 }
 

@@ -111,7 +111,7 @@ impl PhysicsTime {
     }
 
     /// Returns true if the next step of the app takes no step of physics.
-    pub(crate) fn stands_still(&self) -> bool {
+    fn stands_still(&self) -> bool {
         self.paused && self.requested == 0 || self.relative_speed == 0.0
     }
 

@@ -11,7 +11,7 @@ use drystone::body::{
     CenterOfMass, Density, ExternalForce, Mass, Pose, Quarantined, RigidBody, Velocity,
 };
 use drystone::collider::{Collider, CollisionLayers};
-use drystone::query::{Dir3, QueryFilter, Ray3d, SpatialQuery};
+use drystone::query::{Dir3, QueryFilter, Ray3d, SpatialQuery, spatial_query};
 use glam::Vec3;
 use std::time::Duration;
 use support::*;
@@ -262,43 +262,66 @@ fn app() -> App {
     app
 }
 
-/// As a game lays bricks that its player wants while time stands still.
+/// As a game lays bricks that its player wants, while time stands still, or while frames are shorter than steps.
 #[test]
-fn bodies_built_while_paused_are_known_in_the_next_frame() {
+fn edits_are_known_in_the_next_frame() {
     #[derive(Resource, Default)]
     struct Seen(Option<Entity>);
-    let mut app = app();
-    let look = |query: SpatialQuery, mut seen: ResMut<Seen>| {
-        let down = Ray3d::new(Vec3::new(2.0, 5.0, 0.0), Dir3::NEG_Y);
-        let hit = query.cast_ray(down, 9.0, &QueryFilter::default());
-        seen.0 = hit.unwrap().map(|hit| hit.entity);
-    };
-    app.init_resource::<Seen>().add_systems(Update, look);
-    for _ in 0..30 {
+    for paused in [true, false] {
+        let mut app = app();
+        let look = |query: SpatialQuery, mut seen: ResMut<Seen>| {
+            let down = Ray3d::new(Vec3::new(2.0, 5.0, 0.0), Dir3::NEG_Y);
+            let hit = query.cast_ray(down, 9.0, &QueryFilter::default());
+            seen.0 = hit.unwrap().map(|hit| hit.entity);
+        };
+        app.init_resource::<Seen>().add_systems(Update, look);
+        for _ in 0..30 {
+            app.update();
+        }
+        if paused {
+            app.world_mut().resource_mut::<Time<Virtual>>().pause();
+        } else {
+            let frame = Duration::from_millis(1);
+            app.insert_resource(TimeUpdateStrategy::ManualDuration(frame));
+            // One step is due.
+            for _ in 0..20 {
+                app.update();
+            }
+        }
         app.update();
+        let steps = app.world().resource::<Time<Fixed>>().elapsed();
+        let laid = (
+            RigidBody::Dynamic,
+            brick(),
+            Transform::from_xyz(2.0, 0.25, 0.0),
+        );
+        let laid = app.world_mut().spawn(laid).id();
+        app.update();
+        assert_eq!(app.world().resource::<Seen>().0, Some(laid), "{paused}");
+        app.world_mut()
+            .entity_mut(laid)
+            .insert(Transform::from_xyz(8.0, 0.25, 0.0));
+        app.update();
+        assert_ne!(app.world().resource::<Seen>().0, Some(laid), "{paused}");
+        let now = app.world().resource::<Time<Fixed>>().elapsed();
+        assert_eq!(now, steps, "no step was taken: {paused}");
     }
-    app.world_mut().resource_mut::<Time<Virtual>>().pause();
-    app.update();
-    let laid = (
-        RigidBody::Dynamic,
-        brick(),
-        Transform::from_xyz(2.0, 0.25, 0.0),
-    );
-    let laid = app.world_mut().spawn(laid).id();
-    app.update();
-    assert_eq!(app.world().resource::<Seen>().0, Some(laid));
-    app.world_mut()
-        .entity_mut(laid)
-        .insert(Transform::from_xyz(8.0, 0.25, 0.0));
-    app.update();
-    assert_ne!(app.world().resource::<Seen>().0, Some(laid));
-    let steps = app.world().resource::<Time<Fixed>>().elapsed();
-    app.update();
-    assert_eq!(
-        app.world().resource::<Time<Fixed>>().elapsed(),
-        steps,
-        "no step was taken"
-    );
+}
+
+/// `spatial_query` sees what the code before it has done.
+#[test]
+fn a_query_with_the_world_needs_no_refresh() {
+    let mut lab = Lab::new();
+    let filter = QueryFilter::default();
+    let laid = lab.body(brick(), Vec3::Y);
+    let here = |world: &mut World, at: Vec3| {
+        spatial_query(world, |query| query.bodies_at(at, &filter)).unwrap()
+    };
+    assert_eq!(here(&mut lab.world, Vec3::Y), [laid]);
+    let at = Transform::from_xyz(4.0, 1.0, 0.0);
+    lab.world.entity_mut(laid).insert(at);
+    assert_eq!(here(&mut lab.world, Vec3::Y), []);
+    assert_eq!(here(&mut lab.world, at.translation), [laid]);
 }
 
 #[test]

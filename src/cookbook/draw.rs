@@ -21,9 +21,21 @@ pub struct Picture {
     name: &'static str,
     /// The part of the world that is shown, m: from, to.
     view: [(f32, f32); 2],
+    /// Turns the world so that it is seen along −z.
+    turn: Quat,
     colors: HashMap<Entity, &'static str>,
     svg: String,
     frames: usize,
+}
+
+/// A collider to draw.
+struct Part {
+    body: Entity,
+    pose: Pose,
+    collider: Collider,
+    color: &'static str,
+    /// Whether it is drawn over the others.
+    is_clear: bool,
 }
 
 impl Picture {
@@ -32,10 +44,17 @@ impl Picture {
         Self {
             name,
             view: [from, to],
+            turn: Quat::IDENTITY,
             colors: HashMap::new(),
             svg: String::new(),
             frames: 0,
         }
+    }
+
+    /// The same seen along −x: what goes towards −z goes to the right.
+    pub fn from_the_right(mut self) -> Self {
+        self.turn = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+        self
     }
 
     /// Draws a body in another colour from now on.
@@ -58,6 +77,7 @@ impl Picture {
 
     /// A point of the frame, pixels.
     fn point(&self, at: Vec3) -> (f32, f32) {
+        let at = self.turn * at;
         let [(left, _), (_, top)] = self.view;
         (
             self.scale() * (at.x - left),
@@ -84,23 +104,21 @@ impl Picture {
             "<g clip-path=\"url(#{id})\" stroke=\"#333\" stroke-width=\"0.7\">"
         ));
         self.line(format!("{panel} fill=\"#e8eef4\" stroke=\"none\"></rect>"));
-        // Water is drawn over what is in it, and air is not.
         let mut parts = parts(world);
-        let density = |body: Entity| world.get::<Fluid>(body).map(|fluid| fluid.density);
-        let is_air = |body: Entity| density(body).is_some_and(|density| density < 10.0);
-        parts.retain(|part| !is_air(part.0));
         // By centimetres: what stands beside each other stays in order, whatever the last bits are. A query's order is
         // that of the archetypes, which changes with the library.
-        let depth = |pose: &Pose| (100.0 * pose.position.z).round() as i32;
-        parts.sort_by_key(|part| (density(part.0).is_some(), depth(&part.1), part.0));
-        for (body, pose, kind, collider) in parts {
-            let color = self.colors.get(&body).copied().unwrap_or(match kind {
-                _ if density(body).is_some() => "#4f8fd070",
-                RigidBody::Static => "#9aa3ad",
-                RigidBody::Kinematic => "#7d9cc4",
-                RigidBody::Dynamic => "#cf8f68",
-            });
-            self.shape(&collider, &pose, color);
+        let depth = |pose: &Pose| (100.0 * (self.turn * pose.position).z).round() as i32;
+        parts.sort_by_key(|part| (part.is_clear, depth(&part.pose), part.body));
+        for part in parts {
+            let color = self.colors.get(&part.body).copied();
+            self.shape(&part.collider, &part.pose, color.unwrap_or(part.color));
+        }
+        let mut grids = world.query::<(&Voxels, &Pose, &RigidBody)>();
+        for (grid, pose, kind) in grids.iter(world) {
+            self.slice(grid, pose, color(*kind));
+        }
+        for (at, radius) in wheels(world) {
+            self.circle(at, radius, "#6b6f76");
         }
         for rope in ropes(world) {
             let [(x1, y1), (x2, y2)] = rope.map(|end| self.point(end));
@@ -115,13 +133,35 @@ impl Picture {
         self.frames += 1;
     }
 
+    fn circle(&mut self, at: Vec3, radius: f32, color: &str) {
+        let ((x, y), radius) = (self.point(at), self.scale() * radius);
+        let circle = format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\"");
+        self.line(format!("{circle} fill=\"{color}\"></circle>"));
+    }
+
+    /// The cells of a grid in the plane of its middle cell, by rows.
+    fn slice(&mut self, grid: &Voxels, pose: &Pose, color: &str) {
+        let mut cells: Vec<IVec3> = grid.cells().collect();
+        cells.sort_by_key(|cell| (cell.z, cell.y, cell.x));
+        let Some(middle) = cells.get(cells.len() / 2).map(|cell| cell.z) else {
+            return;
+        };
+        let cells: Vec<IVec3> = cells.into_iter().filter(|cell| cell.z == middle).collect();
+        let half = 0.5 * grid.size();
+        for row in cells.chunk_by(|a, b| *b - *a == IVec3::X) {
+            let [from, to] = [row[0], row[row.len() - 1]].map(|cell| grid.center_of(cell));
+            let sides = [from.x - half, to.x + half].into_iter();
+            let corners = sides.flat_map(|x| [-half, half].map(|y| from.with_x(x) + y * Vec3::Y));
+            let corners = corners.map(|corner| self.point(pose.transform_point(corner)));
+            self.outline(corners.collect(), color);
+        }
+    }
+
     fn shape(&mut self, collider: &Collider, pose: &Pose, color: &str) {
         let shape = collider.shape();
         let place = |point: Vec3| pose.position + pose.rotation * point;
         if let Some(ball) = shape.as_ball() {
-            let ((x, y), radius) = (self.point(pose.position), self.scale() * ball.radius);
-            let circle = format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\"");
-            self.line(format!("{circle} fill=\"{color}\"></circle>"));
+            self.circle(pose.position, ball.radius, color);
             return;
         }
         let points: Vec<Vec3> = if let Some(cuboid) = shape.as_cuboid() {
@@ -148,17 +188,18 @@ impl Picture {
             let [(left, bottom), (right, _)] = self.view;
             let depth = pose.position.y - bottom.min(0.0) + 0.1;
             let middle = Vec3::new(0.5 * (left + right), -0.5 * depth, 0.0);
-            corners(Vec3::new(right - left, -middle.y, 1.0))
+            let wide = right - left;
+            corners(Vec3::new(wide, -middle.y, wide))
                 .into_iter()
-                .map(|corner| corner + middle)
+                .map(|corner| corner + self.turn.inverse() * middle)
                 .collect()
         };
-        let outline = outline(
-            points
-                .into_iter()
-                .map(|point| self.point(place(point)))
-                .collect(),
-        );
+        let points = points.into_iter().map(|point| self.point(place(point)));
+        self.outline(points.collect(), color);
+    }
+
+    fn outline(&mut self, points: Vec<(f32, f32)>, color: &str) {
+        let outline = outline(points);
         let corners: Vec<String> = outline
             .iter()
             .map(|(x, y)| format!("{x:.1} {y:.1}"))
@@ -193,28 +234,69 @@ impl Picture {
     }
 }
 
-/// The colliders, with the bodies that they belong to.
-fn parts(world: &mut World) -> Vec<(Entity, Pose, RigidBody, Collider)> {
+fn color(kind: RigidBody) -> &'static str {
+    match kind {
+        RigidBody::Static => "#9aa3ad",
+        RigidBody::Kinematic => "#7d9cc4",
+        RigidBody::Dynamic => "#cf8f68",
+    }
+}
+
+/// The colliders of all bodies but grids and air.
+fn parts(world: &mut World) -> Vec<Part> {
     let mut parts = Vec::new();
-    let mut bodies = world.query::<(
+    let mut bodies = world.query_filtered::<(
         Entity,
         &RigidBody,
         &Pose,
         Option<&Collider>,
         Option<&Children>,
-    )>();
+        (Option<&Fluid>, Has<Sensor>),
+    ), (Without<Voxels>, Without<VoxelChunk>)>();
     let mut children = world.query_filtered::<(&Transform, &Collider), Without<RigidBody>>();
-    for (body, &kind, &pose, collider, below) in bodies.iter(world) {
-        parts.extend(collider.map(|collider| (body, pose, kind, collider.clone())));
+    for (body, &kind, &pose, collider, below, (fluid, is_sensor)) in bodies.iter(world) {
+        if fluid.is_some_and(|fluid| fluid.density < 10.0) {
+            continue;
+        }
+        let color = match is_sensor {
+            _ if fluid.is_some() => "#4f8fd070",
+            true => "#e8c84060",
+            false => color(kind),
+        };
+        let mut add = |pose: Pose, collider: &Collider| {
+            parts.push(Part {
+                body,
+                pose,
+                collider: collider.clone(),
+                color,
+                is_clear: is_sensor,
+            });
+        };
+        if let Some(collider) = collider {
+            add(pose, collider);
+        }
         for part in below.into_iter().flat_map(|below| below.iter()) {
             if let Ok((at, collider)) = children.get(world, part) {
                 let position = pose.position + pose.rotation * at.translation;
                 let rotation = pose.rotation * at.rotation;
-                parts.push((body, Pose { position, rotation }, kind, collider.clone()));
+                add(Pose { position, rotation }, collider);
             }
         }
     }
     parts
+}
+
+/// The places and radii of the wheels of vehicles.
+fn wheels(world: &mut World) -> Vec<(Vec3, f32)> {
+    use drystone::vehicle::WheelState;
+    let mut wheels = world.query::<(&Wheel, &WheelState, &Transform, &ChildOf)>();
+    let wheels = wheels.iter_manual(world).filter_map(|of| {
+        let (wheel, state, mount, above) = of;
+        let body = world.get::<Pose>(above.parent())?;
+        let place = mount.transform_point(state.place(wheel).translation);
+        Some((body.transform_point(place), wheel.radius))
+    });
+    wheels.collect()
 }
 
 /// The ends of ropes and rods.

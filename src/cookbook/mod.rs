@@ -75,6 +75,7 @@
 //! | [`smooth`] | Smooth motion between steps |
 
 #[doc = include_str!("app/quickstart.md")]
+#[doc = include_str!("pictures/quickstart.svg")]
 pub mod quickstart {}
 
 #[doc = include_str!("app/settings.md")]
@@ -98,6 +99,7 @@ pub mod support {}
 pub mod loads {}
 
 #[doc = include_str!("building/force.md")]
+#[doc = include_str!("pictures/force.svg")]
 pub mod force {}
 
 #[doc = include_str!("building/stability.md")]
@@ -108,6 +110,7 @@ pub mod stability {}
 pub mod preview {}
 
 #[doc = include_str!("building/undo.md")]
+#[doc = include_str!("pictures/undo.svg")]
 pub mod undo {}
 
 #[doc = include_str!("building/collapse.md")]
@@ -115,12 +118,15 @@ pub mod undo {}
 pub mod collapse {}
 
 #[doc = include_str!("building/mortar.md")]
+#[doc = include_str!("pictures/mortar.svg")]
 pub mod mortar {}
 
 #[doc = include_str!("building/fracture.md")]
+#[doc = include_str!("pictures/fracture.svg")]
 pub mod fracture {}
 
 #[doc = include_str!("building/voxels.md")]
+#[doc = include_str!("pictures/voxels.svg")]
 pub mod voxels {}
 
 #[doc = include_str!("building/explosion.md")]
@@ -156,6 +162,7 @@ pub mod breakable_joint {}
 pub mod drag {}
 
 #[doc = include_str!("playing/vehicles.md")]
+#[doc = include_str!("pictures/vehicles.svg")]
 pub mod vehicles {}
 
 #[doc = include_str!("playing/stairs.md")]
@@ -166,6 +173,7 @@ pub mod stairs {}
 pub mod scenes {}
 
 #[doc = include_str!("playing/trigger_zone.md")]
+#[doc = include_str!("pictures/trigger_zone.svg")]
 pub mod trigger_zone {}
 
 #[doc = include_str!("playing/hit_sound.md")]
@@ -200,6 +208,7 @@ pub mod one_way {}
 pub mod layers {}
 
 #[doc = include_str!("playing/earthquake.md")]
+#[doc = include_str!("pictures/earthquake.svg")]
 pub mod earthquake {}
 
 #[doc = include_str!("playing/pause.md")]

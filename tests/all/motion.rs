@@ -20,10 +20,15 @@ fn assert_met_but(values: Values, known: &[&str]) {
 #[test]
 fn blocks_rock_as_housner_says() {
     rocks_on(Lab::shipped, 1.0 / 60.0).assert_met();
-    rocks_on(Lab::shipped, 1.0 / 960.0).assert_met();
     rocks_on(Lab::shipped, 1.0 / 240.0).assert_met();
     let known = ["tenth swing", "swings above", "1 : 8 rocks, energy"];
     assert_met_but(rocks_on(Lab::shipped, 0.1), &known);
+}
+
+#[test]
+#[ignore = "long"]
+fn blocks_rock_as_housner_says_at_short_steps() {
+    rocks_on(Lab::shipped, 1.0 / 960.0).assert_met();
 }
 
 #[test]

@@ -114,6 +114,7 @@ fn a_wall_of_10_by_10_stands_alike_in_whatever_order_it_is_spawned() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_wall_of_40_by_25_stands_alike_in_whatever_order_it_is_spawned() {
     alike("wall:40x25", 5.0);
 }

@@ -4,7 +4,8 @@
 //!
 //! `cargo run --release --example siege -- --help`
 //!
-//! It has no window. The game is in components, resources and functions as it would be in an app, and every fault is listed at the end.
+//! It has no window, and lists every fault at the end. The game is in components, resources and functions: `examples/builder/examples/siege`
+//! shows the same in a window.
 
 mod castle;
 mod drawbridge;
@@ -17,11 +18,12 @@ mod moat;
 #[cfg(feature = "ui")]
 mod panel;
 mod raiders;
+mod run;
 mod save;
 mod trebuchet;
 
 use clap::Parser;
-use game::Game;
+use run::Game;
 
 /// A siege, played by a script.
 #[derive(Parser)]

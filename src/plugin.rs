@@ -45,7 +45,7 @@ use bevy_ecs::message::signal_message_update_system;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::world::DeferredWorld;
-use bevy_time::{Time, Virtual};
+use bevy_time::Time;
 use bevy_transform::TransformSystems;
 
 /// The plugin group that adds all of drystone. It takes steps in `FixedPostUpdate`, or in the schedule given to [`new`](Self::new).

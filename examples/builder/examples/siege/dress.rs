@@ -79,7 +79,7 @@ fn ground(
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
     let mesh = meshes.add(Plane3d::default().mesh().size(400.0, 400.0));
-    let grass = materials.add(material([0.22, 0.30, 0.12]));
+    let grass = materials.add(material([0.30, 0.38, 0.20]));
     commands.spawn((Mesh3d(mesh), MeshMaterial3d(grass)));
 }
 

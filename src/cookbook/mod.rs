@@ -84,6 +84,8 @@
 //! | [`replicon`] | A server that simulates and clients that look on |
 //! | [`ggrs`] | Rollback in a Bevy app |
 //! | [`tnua`] | A floating character |
+//! | [`remote`] | Loads seen and masses changed from outside |
+//! | [`inspector`] | A window with the components of a body |
 //! | [`interpolation`] | Bodies drawn between two steps |
 
 #[doc = include_str!("app/quickstart.md")]
@@ -260,6 +262,14 @@ pub mod ggrs {}
 #[cfg(not(doctest))]
 #[doc = include_str!("neighbours/tnua.md")]
 pub mod tnua {}
+
+#[cfg(not(doctest))]
+#[doc = include_str!("neighbours/remote.md")]
+pub mod remote {}
+
+#[cfg(not(doctest))]
+#[doc = include_str!("neighbours/inspector.md")]
+pub mod inspector {}
 
 #[cfg(not(doctest))]
 #[doc = include_str!("neighbours/interpolation.md")]

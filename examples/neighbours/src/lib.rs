@@ -24,5 +24,13 @@ pub mod ggrs {}
 #[doc = include_str!("../../../src/cookbook/neighbours/tnua.md")]
 pub mod tnua {}
 
+#[cfg(feature = "remote")]
+#[doc = include_str!("../../../src/cookbook/neighbours/remote.md")]
+pub mod remote {}
+
+#[cfg(feature = "inspector")]
+#[doc = include_str!("../../../src/cookbook/neighbours/inspector.md")]
+pub mod inspector {}
+
 #[doc = include_str!("../../../src/cookbook/neighbours/interpolation.md")]
 pub mod interpolation {}

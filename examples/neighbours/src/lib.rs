@@ -1,12 +1,13 @@
 //! Compiles and runs the pages of drystone's cookbook about other crates, each with the version of `Cargo.lock`:
 //!
 //! ```sh
-//! cargo test --doc --ignore-rust-version --manifest-path examples/neighbours/Cargo.toml
+//! cargo test --ignore-rust-version --manifest-path examples/neighbours/Cargo.toml
 //! ```
 //!
-//! Bevy 0.20 names Rust 1.97.1 as its oldest; the parts of it that are used here build with drystone's 1.95, and
-//! `--ignore-rust-version` says so. The pages are part of drystone's documentation, which does not test them, because it would need these
-//! crates.
+//! `--all-features` adds the pages about `bevy_remote`, which on Linux needs `pkg-config` and `libasound2-dev`, and `bevy-inspector-egui`.
+//! Bevy 0.20 names Rust 1.97.1; what is used of it here builds with drystone's 1.95 too, hence `--ignore-rust-version`.
+//!
+//! The pages are part of drystone's documentation. Drystone does not test them itself, because its tests would need these crates.
 
 // Links of the pages are to drystone's items.
 #[doc(no_inline)]
@@ -34,3 +35,29 @@ pub mod inspector {}
 
 #[doc = include_str!("../../../src/cookbook/neighbours/interpolation.md")]
 pub mod interpolation {}
+
+#[cfg(test)]
+mod tests {
+    const PAGE: &str = include_str!("../../../src/cookbook/neighbours/neighbours.md");
+    const LOCK: &str = include_str!("../Cargo.lock");
+
+    /// The table of what was run names the versions that are compiled here.
+    #[test]
+    fn versions_are_those_of_the_lockfile() {
+        let (run, _) = PAGE.split_once("These were not run").unwrap();
+        let mut crates = 0;
+        for row in run.lines().filter(|line| line.starts_with("| `")) {
+            let mut cells = row.split('|').skip(1);
+            let names = cells.next().unwrap().split('`').skip(1).step_by(2);
+            let versions: Vec<&str> = cells.next().unwrap().split(',').map(str::trim).collect();
+            let names: Vec<&str> = names.collect();
+            assert_eq!(names.len(), versions.len(), "{row}");
+            for (name, version) in names.into_iter().zip(versions) {
+                let locked = format!("name = \"{name}\"\nversion = \"{version}\"\n");
+                assert!(LOCK.contains(&locked), "{name} {version}");
+                crates += 1;
+            }
+        }
+        assert!(crates >= 8, "{crates}");
+    }
+}

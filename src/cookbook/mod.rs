@@ -73,6 +73,20 @@
 //! | [`server`] | A server without a window |
 //! | [`town`] | A town of which only a part is in |
 //! | [`smooth`] | Smooth motion between steps |
+//!
+//! # Beside other crates
+//!
+//! The package `examples/neighbours` compiles and runs these pages, with the versions that they name.
+//!
+//! | page | |
+//! |---|---|
+//! | [`neighbours`] | Which crates work with it, in which versions |
+//! | [`replicon`] | A server that simulates and clients that look on |
+//! | [`ggrs`] | Rollback in a Bevy app |
+//! | [`tnua`] | A floating character |
+//! | [`remote`] | Loads seen and masses changed from outside |
+//! | [`inspector`] | A window with the components of a body |
+//! | [`interpolation`] | Bodies drawn between two steps |
 
 #[doc = include_str!("app/quickstart.md")]
 #[doc = include_str!("pictures/quickstart.svg")]
@@ -239,3 +253,33 @@ pub mod town {}
 
 #[doc = include_str!("app/smooth.md")]
 pub mod smooth {}
+
+// Tests of drystone do not compile other crates: `examples/neighbours` tests these.
+
+#[cfg(not(doctest))]
+#[doc = include_str!("neighbours/neighbours.md")]
+pub mod neighbours {}
+
+#[cfg(not(doctest))]
+#[doc = include_str!("neighbours/replicon.md")]
+pub mod replicon {}
+
+#[cfg(not(doctest))]
+#[doc = include_str!("neighbours/ggrs.md")]
+pub mod ggrs {}
+
+#[cfg(not(doctest))]
+#[doc = include_str!("neighbours/tnua.md")]
+pub mod tnua {}
+
+#[cfg(not(doctest))]
+#[doc = include_str!("neighbours/remote.md")]
+pub mod remote {}
+
+#[cfg(not(doctest))]
+#[doc = include_str!("neighbours/inspector.md")]
+pub mod inspector {}
+
+#[cfg(not(doctest))]
+#[doc = include_str!("neighbours/interpolation.md")]
+pub mod interpolation {}

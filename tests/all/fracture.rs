@@ -689,6 +689,42 @@ fn a_hundred_bricks_break_within_five_milliseconds() {
     assert!(least[0] < 5.0, "{least:?}");
 }
 
+/// The same at blows, each in another place: how long *prepare* takes in the step in which a hundred balls hit a hundred bricks, ms.
+#[test]
+#[ignore = "measures time"]
+fn a_hundred_bricks_that_are_hit_break_at_once() {
+    use drystone::profile::Profile;
+    let mut lab = Lab::new();
+    lab.ground();
+    let mut rng = fastrand::Rng::with_seed(1);
+    for i in 0..100 {
+        let at = Vec3::new(2.0 * (i % 10) as f32, 0.1, 2.0 * (i / 10) as f32);
+        let rules = Fracturable {
+            energy: 1.0,
+            ..Default::default()
+        };
+        let brick = (RigidBody::Dynamic, Collider::cuboid(0.4, 0.2, 0.2), rules);
+        lab.spawn((brick, Transform::from_translation(at)));
+        let off = Vec3::new(0.36 * rng.f32() - 0.18, 1.0, 0.16 * rng.f32() - 0.08);
+        let ball = (RigidBody::Dynamic, Collider::ball(0.05), Density(7800.0));
+        let fall = Velocity::linear(-6.0 * Vec3::Y);
+        lab.spawn((ball, fall, Transform::from_translation(at + off)));
+    }
+    let mut most = 0.0f64;
+    for _ in 0..20 {
+        let before = lab.world.query::<&RigidBody>().iter(&lab.world).count();
+        steps(&mut lab, 1);
+        let after = lab.world.query::<&RigidBody>().iter(&lab.world).count();
+        let took = lab.world.resource::<Profile>().system("prepare").unwrap();
+        let took = took.as_secs_f64() * 1e3;
+        if after > before {
+            println!("{before} bodies become {after}: {took:.2} ms");
+            most = most.max(took);
+        }
+    }
+    assert!(most > 0.0, "none broke");
+}
+
 /// A wall that a ball breaks, on some threads.
 fn broken_wall(threads: usize) -> Lab {
     let mut lab = Lab::new();

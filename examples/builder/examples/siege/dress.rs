@@ -3,12 +3,12 @@
 use crate::castle::Brick;
 use crate::drawbridge::Deck;
 use crate::guard::{Guard, Obstacle};
-use crate::hill::Hill;
 use crate::lift::Platform;
 use crate::moat::Barrel;
 use crate::raiders::Raider;
 use crate::trebuchet::{Beam, Stone};
 use bevy::asset::RenderAssetUsages;
+use bevy::ecs::query::QueryData;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use drystone::prelude::*;
@@ -38,31 +38,42 @@ const RED: [f32; 3] = [0.55, 0.08, 0.06];
 const BLUE: [f32; 3] = [0.10, 0.20, 0.50];
 
 /// Who somebody is, for the colour.
-type Who = (
-    (Has<Brick>, Has<Raider>, Has<Guard>, Has<Stone>),
-    (Has<Deck>, Has<Platform>, Has<Barrel>, Has<Obstacle>),
-    (Has<Beam>, Has<Hill>, Has<Voxels>, Has<Debris>),
-);
-
-fn tint(
+#[derive(QueryData)]
+struct Who {
     entity: Entity,
-    who: (
-        (bool, bool, bool, bool),
-        (bool, bool, bool, bool),
-        (bool, bool, bool, bool),
-    ),
-) -> [f32; 3] {
-    let ((brick, raider, guard, stone), wooden, (beam, hill, grid, debris)) = who;
-    match () {
-        () if hill || grid => EARTH,
-        () if brick || debris => STONES[entity.index_u32() as usize % STONES.len()],
-        () if raider => RED,
-        () if guard => BLUE,
-        () if stone => IRON,
-        () if beam || wooden != (false, false, false, false) => WOOD,
-        () => STONES[3],
+    brick: Has<Brick>,
+    debris: Has<Debris>,
+    grid: Has<Voxels>,
+    raider: Has<Raider>,
+    guard: Has<Guard>,
+    stone: Has<Stone>,
+    deck: Has<Deck>,
+    platform: Has<Platform>,
+    barrel: Has<Barrel>,
+    obstacle: Has<Obstacle>,
+    beam: Has<Beam>,
+    sensor: Has<Sensor>,
+}
+
+impl WhoItem<'_, '_> {
+    fn tint(&self) -> [f32; 3] {
+        let is_wooden = self.deck || self.platform || self.barrel || self.obstacle || self.beam;
+        match () {
+            () if self.grid => EARTH,
+            () if self.brick || self.debris => {
+                STONES[self.entity.index_u32() as usize % STONES.len()]
+            }
+            () if self.raider => RED,
+            () if self.guard => BLUE,
+            () if self.stone => IRON,
+            () if is_wooden => WOOD,
+            () => STONES[3],
+        }
     }
 }
+
+/// Bodies that came, but for the cells of grids.
+type NewBody = (Added<Collider>, Without<VoxelChunk>, Without<Voxels>);
 
 fn material([red, green, blue]: [f32; 3]) -> StandardMaterial {
     StandardMaterial {
@@ -85,16 +96,13 @@ fn ground(
 
 /// Gives new bodies and fluids a mesh.
 fn dress(
-    new: Query<
-        (Entity, &Collider, Has<Sensor>, Option<&Fluid>, Who),
-        (Added<Collider>, Without<VoxelChunk>, Without<Voxels>),
-    >,
+    new: Query<(&Collider, Option<&Fluid>, Who), NewBody>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
 ) {
-    for (entity, collider, is_sensor, fluid, who) in &new {
-        if is_sensor && fluid.is_none() {
+    for (collider, fluid, who) in &new {
+        if who.sensor && fluid.is_none() {
             continue;
         }
         let Some(mesh) = mesh(collider) else { continue };
@@ -105,13 +113,13 @@ fn dress(
                 perceptual_roughness: 0.1,
                 ..default()
             },
-            None => material(tint(entity, who)),
+            None => material(who.tint()),
         };
         let look = (
             Mesh3d(meshes.add(mesh)),
             MeshMaterial3d(materials.add(material)),
         );
-        commands.entity(entity).insert(look);
+        commands.entity(who.entity).insert(look);
     }
 }
 
@@ -134,20 +142,20 @@ fn mesh(collider: &Collider) -> Option<Mesh> {
 
 /// Draws the hill, and what came off it, anew after each charge: a square for each open side of a cell.
 fn dig(
-    changed: Query<(Entity, &Voxels, Option<&Mesh3d>, Who), Changed<Voxels>>,
+    changed: Query<(&Voxels, Option<&Mesh3d>, Who), Changed<Voxels>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
 ) {
-    for (entity, grid, drawn, who) in &changed {
+    for (grid, drawn, who) in &changed {
         let mesh = cells(grid);
         if let Some(mut old) = drawn.and_then(|drawn| meshes.get_mut(drawn)) {
             *old = mesh;
             continue;
         }
-        let material = materials.add(material(tint(entity, who)));
+        let material = materials.add(material(who.tint()));
         let look = (Mesh3d(meshes.add(mesh)), MeshMaterial3d(material));
-        commands.entity(entity).insert(look);
+        commands.entity(who.entity).insert(look);
     }
 }
 

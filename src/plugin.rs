@@ -507,8 +507,8 @@ impl Plugin for ContactEventsPlugin {
     }
 }
 
-/// Adds the [`RefreshSchedule`], and runs it in `PreUpdate` of every frame, so that queries find bodies that were spawned or moved since the
-/// last step.
+/// Adds the [`RefreshSchedule`], and runs it in `PreUpdate` of every frame, so that queries find bodies that were spawned or moved since
+/// the last step.
 #[derive(Debug)]
 pub struct RefreshPlugin;
 

@@ -4,8 +4,8 @@
 //!
 //! `cargo run --release --example siege -- --help`
 //!
-//! It has no window, and lists every fault at the end. The game is in components, resources and functions: `examples/builder/examples/siege`
-//! shows the same in a window.
+//! It has no window, and lists every fault at the end. The game is in components, resources and functions:
+//! `examples/builder/examples/siege` shows the same in a window.
 
 mod castle;
 mod drawbridge;

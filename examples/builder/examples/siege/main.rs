@@ -4,7 +4,7 @@
 //! # In a window. The right button and the wheel move the camera; F3: the panel of physics.
 //! cargo run --ignore-rust-version --manifest-path examples/builder/Cargo.toml --example siege
 //! # A picture of the game after 24 s, without a window or a display.
-//! cargo run --ignore-rust-version --manifest-path examples/builder/Cargo.toml --example siege -- --screenshot target/builder/siege.png --after 24
+//! cargo run --ignore-rust-version --manifest-path examples/builder/Cargo.toml --example siege -- --screenshot siege.png --after 24
 //! ```
 
 #[path = "../../../siege/castle.rs"]

@@ -59,6 +59,17 @@ impl View {
         Transform::from_translation(self.target + turn * Vec3::Z * self.distance)
             .looking_at(self.target, Vec3::Y)
     }
+
+    /// Turns about the target, for a movement of the mouse in pixels.
+    pub fn turn(&mut self, mouse: Vec2) {
+        self.yaw -= 0.006 * mouse.x;
+        self.pitch = (self.pitch + 0.006 * mouse.y).clamp(-0.05, 1.5);
+    }
+
+    /// Goes nearer, for so many notches of the wheel.
+    pub fn zoom(&mut self, notches: f32) {
+        self.distance = (self.distance * 0.88f32.powf(notches)).clamp(1.5, 120.0);
+    }
 }
 
 /// The builder's camera.
@@ -123,8 +134,7 @@ fn orbit(
     }
     let turn = Quat::from_euler(EulerRot::YXZ, view.yaw, -view.pitch, 0.0);
     if buttons.pressed(MouseButton::Right) {
-        view.yaw -= 0.006 * motion.delta.x;
-        view.pitch = (view.pitch + 0.006 * motion.delta.y).clamp(-0.05, 1.5);
+        view.turn(motion.delta);
     }
     if buttons.pressed(MouseButton::Middle) {
         let shift = turn * Vec3::new(-motion.delta.x, motion.delta.y, 0.0);
@@ -135,8 +145,7 @@ fn orbit(
     // A hand that holds something moves that with the wheel.
     let holds = *tool == Tool::Hand && buttons.pressed(MouseButton::Left);
     if scroll.delta.y != 0.0 && !holds {
-        let notches = notches(&scroll);
-        view.distance = (view.distance * 0.88f32.powf(notches)).clamp(1.5, 120.0);
+        view.zoom(notches(&scroll));
     }
 }
 
@@ -148,7 +157,8 @@ pub fn notches(scroll: &AccumulatedMouseScroll) -> f32 {
     }
 }
 
-fn place(view: Res<View>, mut eyes: Query<&mut Transform, With<Eye>>) {
+/// Moves the camera to the [`View`] when that has changed.
+pub fn place(view: Res<View>, mut eyes: Query<&mut Transform, With<Eye>>) {
     if view.is_changed() {
         for mut eye in &mut eyes {
             *eye = view.transform();

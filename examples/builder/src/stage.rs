@@ -34,24 +34,33 @@ impl Plugin for StagePlugin {
     }
 }
 
-fn sun(mut commands: Commands) {
-    let shines = |from: Vec3| Transform::from_translation(from).looking_at(Vec3::ZERO, Vec3::Y);
-    commands.spawn((
+/// The sun: a light that shines from a place to the origin. Its shadows are sharp up to a distance from the camera, and end at another, m.
+pub fn sunlight(color: Color, from: Vec3, sharp: f32, end: f32) -> impl Bundle {
+    (
         DirectionalLight {
-            color: Color::srgb(1.0, 0.94, 0.84),
+            color,
             illuminance: 9_500.0,
             shadow_maps_enabled: true,
             ..default()
         },
         CascadeShadowConfigBuilder {
             num_cascades: 2,
-            first_cascade_far_bound: 14.0,
-            maximum_distance: 60.0,
+            first_cascade_far_bound: sharp,
+            maximum_distance: end,
             ..default()
         }
         .build(),
-        shines(Vec3::new(5.0, 9.0, 6.0)),
-    ));
+        shines(from),
+    )
+}
+
+fn shines(from: Vec3) -> Transform {
+    Transform::from_translation(from).looking_at(Vec3::ZERO, Vec3::Y)
+}
+
+fn sun(mut commands: Commands) {
+    let color = Color::srgb(1.0, 0.94, 0.84);
+    commands.spawn(sunlight(color, Vec3::new(5.0, 9.0, 6.0), 14.0, 60.0));
     // The light that the sky reflects.
     commands.spawn((
         DirectionalLight {

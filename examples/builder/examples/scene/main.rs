@@ -13,7 +13,7 @@
 mod gate;
 mod model;
 
-use bevy::light::{CascadeShadowConfigBuilder, GlobalAmbientLight};
+use bevy::light::GlobalAmbientLight;
 use bevy::prelude::*;
 use clap::Parser;
 use drystone::collider::MeshShape;
@@ -22,7 +22,7 @@ use drystone::panel::{PhysicsPanel, PhysicsPanelPlugin};
 use drystone::prelude::*;
 use drystone_builder::camera::{Eye, lens};
 use drystone_builder::pictures::Studio;
-use drystone_builder::stage::SKY;
+use drystone_builder::stage::{SKY, sunlight};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -125,22 +125,8 @@ fn view() -> Transform {
 }
 
 fn shine(mut commands: Commands) {
-    commands.spawn((
-        DirectionalLight {
-            color: Color::srgb(1.0, 0.93, 0.82),
-            illuminance: 9_500.0,
-            shadow_maps_enabled: true,
-            ..default()
-        },
-        CascadeShadowConfigBuilder {
-            num_cascades: 2,
-            first_cascade_far_bound: 14.0,
-            maximum_distance: 60.0,
-            ..default()
-        }
-        .build(),
-        Transform::from_xyz(-6.0, 9.0, 7.0).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
+    let color = Color::srgb(1.0, 0.93, 0.82);
+    commands.spawn(sunlight(color, Vec3::new(-6.0, 9.0, 7.0), 14.0, 60.0));
 }
 
 /// A ball from the camera.

@@ -72,7 +72,7 @@ impl WhoItem<'_, '_> {
     }
 }
 
-/// Bodies that came, but for the cells of grids.
+/// Colliders that were added, except those of grids of cells.
 type NewBody = (Added<Collider>, Without<VoxelChunk>, Without<Voxels>);
 
 fn material([red, green, blue]: [f32; 3]) -> StandardMaterial {

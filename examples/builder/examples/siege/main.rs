@@ -30,15 +30,15 @@ mod raiders;
 mod trebuchet;
 
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll};
-use bevy::light::{CascadeShadowConfigBuilder, GlobalAmbientLight};
+use bevy::light::GlobalAmbientLight;
 use bevy::prelude::*;
 use bevy_transform_interpolation::prelude::TransformInterpolationPlugin;
 use clap::Parser;
 use drystone::panel::{PhysicsPanel, PhysicsPanelPlugin};
 use drystone::prelude::*;
-use drystone_builder::camera::{Eye, View, lens, notches};
+use drystone_builder::camera::{Eye, View, lens, notches, place};
 use drystone_builder::pictures::Studio;
-use drystone_builder::stage::SKY;
+use drystone_builder::stage::{SKY, sunlight};
 use keeper::Keeper;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -134,7 +134,7 @@ impl Plugin for SiegePlugin {
     }
 }
 
-/// The one who plays.
+/// The keeper of the castle, and what went wrong in the last step.
 #[derive(Resource, Default)]
 struct Play {
     keeper: Keeper,
@@ -162,22 +162,8 @@ fn note(world: &mut World) {
 }
 
 fn shine(mut commands: Commands) {
-    commands.spawn((
-        DirectionalLight {
-            color: Color::srgb(1.0, 0.93, 0.82),
-            illuminance: 9_500.0,
-            shadow_maps_enabled: true,
-            ..default()
-        },
-        CascadeShadowConfigBuilder {
-            num_cascades: 2,
-            first_cascade_far_bound: 25.0,
-            maximum_distance: 90.0,
-            ..default()
-        }
-        .build(),
-        Transform::from_xyz(-7.0, 9.0, -6.0).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
+    let color = Color::srgb(1.0, 0.93, 0.82);
+    commands.spawn(sunlight(color, Vec3::new(-7.0, 9.0, -6.0), 25.0, 90.0));
 }
 
 /// The right button turns, the wheel goes nearer.
@@ -187,19 +173,10 @@ fn orbit(
     (motion, scroll): (Res<AccumulatedMouseMotion>, Res<AccumulatedMouseScroll>),
 ) {
     if buttons.pressed(MouseButton::Right) && motion.delta != Vec2::ZERO {
-        view.yaw -= 0.006 * motion.delta.x;
-        view.pitch = (view.pitch + 0.006 * motion.delta.y).clamp(0.02, 1.5);
+        view.turn(motion.delta);
     }
     if scroll.delta.y != 0.0 {
-        view.distance = (view.distance * 0.88f32.powf(notches(&scroll))).clamp(3.0, 120.0);
-    }
-}
-
-fn place(view: Res<View>, mut eyes: Query<(&mut Transform, Ref<Eye>)>) {
-    for (mut eye, is_new) in &mut eyes {
-        if view.is_changed() || is_new.is_added() {
-            *eye = view.transform();
-        }
+        view.zoom(notches(&scroll));
     }
 }
 

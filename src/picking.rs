@@ -1,8 +1,7 @@
 //! A backend for [`bevy_picking`]: pointers hit bodies by their collision shapes. Needs the feature `picking`.
 //!
 //! Add [`PhysicsPickingPlugin`] beside Bevy's own picking plugins, and `Pointer` events reach bodies. Poses are those at the start of the
-//! frame. Entities with `Pickable::IGNORE` are skipped. A ray goes on through an entity whose `Pickable` does
-//! not block lower entities.
+//! frame. Entities with `Pickable::IGNORE` are skipped. A ray goes on through an entity whose `Pickable` does not block lower entities.
 
 use crate::RefreshSystems;
 use crate::query::{QueryFilter, SpatialQuery};

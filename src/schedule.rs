@@ -315,10 +315,10 @@ fn all_systems(world: &World, holds: impl Fn(&ScheduleSystem, bool) -> bool) -> 
 /// the last step, and finds bodies that were moved or changed as they are now. Nothing moves, and the simulation continues with the same
 /// bits as without the refresh.
 ///
-/// The plugin does this in `PreUpdate` of every frame, and [`spatial_query`](crate::query::spatial_query) does it before it asks. What
-/// remains is a system that queries in the frame of an edit: put this function, which is a system, between the two. It runs the
-/// [`RefreshSchedule`]. Its cost is proportional to the number of bodies that are awake or were changed: about a hundredth of a step.
-/// Without [`StepPlugin`](crate::StepPlugin) or [`RefreshPlugin`](crate::RefreshPlugin) it only logs an error.
+/// The plugin does this in `PreUpdate` of every frame, and [`spatial_query`](crate::query::spatial_query) does it before it asks. Only a
+/// system that queries in the same frame as an edit needs more: this function is a system, so put it between the two. It runs the
+/// [`RefreshSchedule`]. It costs 1 to 4 % of a step of bodies that move, and as much as a step of a world that is asleep (0.04 ms for
+/// 100 000 bodies). Without [`StepPlugin`](crate::StepPlugin) or [`RefreshPlugin`](crate::RefreshPlugin) it only logs an error.
 ///
 /// ```
 /// # use bevy_app::{App, Update};

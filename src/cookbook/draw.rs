@@ -105,8 +105,8 @@ impl Picture {
         ));
         self.line(format!("{panel} fill=\"#e8eef4\" stroke=\"none\"></rect>"));
         let mut parts = parts(world);
-        // By centimetres: what stands beside each other stays in order, whatever the last bits are. A query's order is
-        // that of the archetypes, which changes with the library.
+        // Depths are rounded to centimetres, so that the last bits do not change the order of bodies beside each other.
+        // Equal depths are in the order of entities: that of a query follows the archetypes, which change with the library.
         let depth = |pose: &Pose| (100.0 * (self.turn * pose.position).z).round() as i32;
         parts.sort_by_key(|part| (part.is_clear, depth(&part.pose), part.body));
         for part in parts {
@@ -225,7 +225,7 @@ impl Picture {
             return;
         }
         let drawn = std::fs::read_to_string(&path).unwrap_or_default();
-        // In any order: the last bits decide which of two bodies is nearer.
+        // The order of lines does not count, because the last bits decide which of two bodies is nearer.
         let mut left: Vec<_> = drawn.lines().map(taken_apart).collect();
         let is_same = svg.lines().map(taken_apart).all(|line| {
             let distances = left.iter().map(|other| distance(&line, other));

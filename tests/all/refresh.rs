@@ -262,7 +262,7 @@ fn app() -> App {
     app
 }
 
-/// As a game lays bricks that its player wants, while time stands still, or while frames are shorter than steps.
+/// A game places bricks for its player while time is paused, or while frames are shorter than steps.
 #[test]
 fn edits_are_known_in_the_next_frame() {
     #[derive(Resource, Default)]
@@ -283,7 +283,7 @@ fn edits_are_known_in_the_next_frame() {
         } else {
             let frame = Duration::from_millis(1);
             app.insert_resource(TimeUpdateStrategy::ManualDuration(frame));
-            // One step is due.
+            // The step that is due passes.
             for _ in 0..20 {
                 app.update();
             }
@@ -308,7 +308,7 @@ fn edits_are_known_in_the_next_frame() {
     }
 }
 
-/// `spatial_query` sees what the code before it has done.
+/// `spatial_query` finds bodies that were spawned and moved just before.
 #[test]
 fn a_query_with_the_world_needs_no_refresh() {
     let mut lab = Lab::new();

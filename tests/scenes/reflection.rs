@@ -18,7 +18,7 @@ const INTERNAL: [(&str, &str); 13] = [
     ("WrittenTransforms", "hidden; empty between steps"),
     ("StepMessages", "private; a list of functions"),
     ("Wakes", "a report; no state"),
-    ("FluidField", "a function"),
+    ("FluidField", "a function, which cannot be saved"),
     ("WaitingMeshes", "hidden; empty when all meshes are loaded"),
     (
         "MeshColliders",
